@@ -13,8 +13,9 @@ from trunk_ros.compiled import Array
 from trunk_ros.diagnosis import Diagnosis
 from trunk_ros.diagnosis.data.align import servo_span
 from trunk_ros.diagnosis.first_look import first_look
-from trunk_ros.diagnosis.nominal_servo import Loop, _like_others, with_its_servo
+from trunk_ros.diagnosis.nominal_servo import _like_others, with_its_servo
 from trunk_ros.diagnosis.servo import ServoStage
+from trunk_ros.diagnosis.servo_loop import Loop
 from trunk_ros.model import Model, load_model, save_model
 from trunk_ros.recording.recording import JointSeries, Recording
 from trunk_ros.simulate import simulate
@@ -308,8 +309,9 @@ def test_a_joint_far_off_begins_again_from_the_numbers_of_the_others() -> None:
     recording = recorded_servos(PLAIN | gains)
     context = first_look(ServoStage([servo_span(recording, (model := _stated()))], model))
     wrong, right = np.array([12.5, 0.002, 9.0, 0.021, 0.0]), np.array([15.0, 0.021, 9.0, 0.006, 0.0])
-    left = Loop.of(context, 0).left(wrong)
-    found, less = _like_others(context, 0, wrong, [right], left)
+    loop = Loop.of(context, 0)
+    left = loop.left(wrong)
+    found, less = _like_others(loop, wrong, [right], left)
     assert less < left / 10.0
     assert found[0] == pytest.approx(10.0, rel=0.02)
-    assert _like_others(context, 0, wrong, [], left) == (pytest.approx(wrong), left)
+    assert _like_others(loop, wrong, [], left) == (pytest.approx(wrong), left)

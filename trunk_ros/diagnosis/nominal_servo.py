@@ -9,7 +9,6 @@ from itertools import product
 from typing import Any, Literal
 
 import numpy as np
-from scipy.optimize import least_squares
 
 from trunk_ros.arm.arm import SERVO_OF_EACH, Arm
 from trunk_ros.arm_model import SAMPLED
@@ -19,16 +18,15 @@ from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.data.align import servo_joints, servo_span
 from trunk_ros.diagnosis.data.excerpt import excerpt, moving
 from trunk_ros.diagnosis.first_look import first_look
-from trunk_ros.diagnosis.levels import CLEARLY, HALF, LITTLE, OUTLIERS, SEVERAL, THREEFOLD
+from trunk_ros.diagnosis.levels import CLEARLY, LITTLE, SEVERAL, THREEFOLD
 from trunk_ros.diagnosis.search.score import SIGNIFICANT
 from trunk_ros.diagnosis.servo import ServoStage
+from trunk_ros.diagnosis.servo_loop import Loop, fastest_of, numbers_of
 from trunk_ros.effects.servo.loop import STEP
 from trunk_ros.guards import TINY
 from trunk_ros.model import Model
 from trunk_ros.recording.recording import Recording
 
-STIFFEST = 2000.0  # 1/s: what answers faster is where it was asked to be, for all that can be seen
-SWINGS = 1.0 / (2.0 * HALF) ** 2  # kp tau_v of a loop with half of critical damping: no servo swings longer
 STARTS = (5.0, 20.0, 80.0, 320.0), (0.1, 0.5), (0.0, 0.02, 0.08)
 """kp [1/s], kp tau_v, delay [s]."""
 TOPS = (1.0, THREEFOLD)  # v_max over the highest speed seen: one that is reached, and one that is left open
@@ -36,7 +34,6 @@ TOP_SPEED = np.array(SERVO_OF_EACH) == "v_max"
 METHODS: tuple[Literal["dogbox", "trf"], ...] = ("dogbox", "trf")  # one goes on where the other stands
 VALLEYS = STEP * np.array([-1.0, -0.5, 0.5, 1.0])  # s: a loop that is stepped is best at some delays
 FED = (0.3, 1.0)  # shares of the setpoint's speed that are tried first
-STEPS = np.array([0.01, 0.01, 0.01, 1e-3, 0.01])  # of logarithms, s, and a share
 
 
 @dataclass(frozen=True)
@@ -99,32 +96,30 @@ def _identified(
     numbers, squares, found = _numbers_of(model.arm), 0.0, []
     for context, column, joint in _moved(model, recordings):
         if context.joints[column] not in known:
-            numbers[:, joint], cost = _loop(context, column, numbers[:, joint])
-            found.append((context, column, joint, cost))
+            loop, numbers[:, joint], cost = _loop(context, column, numbers[:, joint])
+            found.append((loop, joint, cost))
     alone = numbers.copy()
-    for context, column, joint, cost in found:
-        told = {*(other for _, _, other, _ in found), *map(model.arm.index, known)} - {joint}
+    for loop, joint, cost in found:
+        told = {*(other for _, other, _ in found), *map(model.arm.index, known)} - {joint}
         others = [alone[:, other] for other in sorted(told)]
-        numbers[:, joint], cost = _like_others(context, column, numbers[:, joint], others, cost)
-        squares += cost * context.noise[column].std ** 2 / context.count(column)
+        numbers[:, joint], cost = _like_others(loop, numbers[:, joint], others, cost)
+        squares += cost * loop.context.noise[loop.column].std ** 2 / loop.context.count(loop.column)
     return _with(model, numbers), float(np.sqrt(squares))
 
 
-def _like_others(
-    context: Context, column: int, own: Array, others: list[Array], cost: float
-) -> tuple[Array, float]:
+def _like_others(loop: Loop, own: Array, others: list[Array], cost: float) -> tuple[Array, float]:
     """(5,) numbers of the servo of a joint that its ``own`` starts led to, or those of ``others`` where these
     leave less than the ``cost``; and what is left. Drives of one arm are much alike.
     """
-    if cost <= 2.0 * context.count(column):
+    if _is_explained(loop, cost):
         return own, cost
-    loop, (_, _, top, _, _) = Loop.of(context, column), own
+    top = float(own[TOP_SPEED][0])
     starts = [np.array([kp, kp * tau_v, top, late]) for kp, tau_v, _, late, _ in others]
     starts = [np.array([*np.log(np.maximum(x[:3], TINY)), x[3]]) for x in starts]
     starts = [np.clip(x, loop.low[:4], loop.high[:4]) for x in starts]
-    starts.sort(key=lambda x: loop.left(_numbers(x)))
-    best = min((_numbers(loop.fitted(x).x) for x in starts[:SEVERAL]), key=loop.left, default=own)
-    best = _with_top(loop, best, np.maximum(own, TOPS[-1] * _fastest(context, column)))
+    starts.sort(key=lambda x: loop.left(numbers_of(x)))
+    best = min((numbers_of(loop.fitted(x).x) for x in starts[:SEVERAL]), key=loop.left, default=own)
+    best = _with_top(loop, best, np.maximum(own, TOPS[-1] * fastest_of(loop.context, loop.column)))
     left = loop.left(best)
     return (best, left) if left < cost - SIGNIFICANT else (own, cost)
 
@@ -146,7 +141,7 @@ def _moved(model: Model, recordings: Sequence[Recording]) -> Iterator[tuple[Cont
     unlimited = with_room(model, recordings)
     context = first_look(ServoStage([excerpt(servo_span(r, unlimited)) for r in recordings], unlimited))
     for column in context.columns:
-        if _fastest(context, column) > 0.0:
+        if fastest_of(context, column) > 0.0:
             yield context, column, model.arm.index(context.joints[column])
 
 
@@ -155,58 +150,32 @@ def _with(model: Model, numbers: Array) -> Model:
     return replace(model, arm=replace(model.arm, **own, servo_stated=True))
 
 
-def _fastest(context: Context, column: int) -> float:
-    """The highest speed of a joint [rad/s], but for a few samples of those in which it moves; 0 where it was
-    not asked to, or did not.
+def _loop(context: Context, column: int, told: Array) -> tuple[Loop, Array, float]:
+    """The loop of a joint's servo, its (5,) numbers as in SERVO_OF_EACH, and what is left of its squared
+    residual. What it bears pulls at it where that explains clearly more: a servo that gives way to its load,
+    as one with an impedance does, follows a part of what it is asked, and passed for a slow one.
     """
-    spans = [view.span for view in context.views if np.ptp(view.span.source[:, column]) > 0.0]
-    speeds = [speed[speed > 0.0] for speed in (np.abs(span.velocity[:, column]) for span in spans)]
-    return max((float(np.quantile(s, 1.0 - OUTLIERS)) for s in speeds if len(s)), default=0.0)
+    loop = Loop.of(context, column)
+    numbers, cost = _fitted(loop, told)
+    pulled = None if _is_explained(loop, cost) else Loop.pulled_at(context, column)
+    if pulled is not None:
+        others, less = _fitted(pulled, told)
+        if CLEARLY**2 * less < cost:
+            return pulled, others, less
+    return loop, numbers, cost
 
 
-@dataclass(frozen=True)
-class Loop:
-    """What is fitted of a joint's servo: logarithms of kp, kp tau_v and the top speed, the delay s, and the
-    share of the setpoint's speed where it has five numbers.
+def _is_explained(loop: Loop, cost: float) -> bool:
+    """Whether what is left is hardly more than noise."""
+    return cost <= 2.0 * loop.context.count(loop.column)
+
+
+def _fitted(whole: Loop, told: Array) -> tuple[Array, float]:
+    """(5,) numbers of a loop, and what is left of its squared residual. What the recording does not show
+    stays what it was ``told`` to be (5,).
     """
-
-    context: Context
-    column: int
-    low: Array
-    high: Array
-
-    @staticmethod
-    def of(context: Context, column: int) -> Loop:
-        """Of a joint that went at some speed."""
-        fastest = _fastest(context, column)
-        low = np.array([*np.log([0.5, 1e-3, 0.3 * fastest]), 0.0, 0.0])
-        high = np.array([*np.log([STIFFEST, SWINGS, 20.0 * fastest]), 0.5, 2.0])
-        return Loop(context, column, low, high)
-
-    def left(self, numbers: Array) -> float:
-        """Squared whitened residual."""
-        return float(np.sum(_residual(self.context, self.column, numbers) ** 2))
-
-    def fitted(self, start: Array, method: Literal["dogbox", "trf"] = "trf") -> Any:
-        """From a start, (4,) or (5,)."""
-        usual, low, high = STEPS[: len(start)], self.low[: len(start)], self.high[: len(start)]
-
-        def residual(x: Array) -> Array:
-            return _residual(self.context, self.column, _numbers(x))
-
-        def slopes(x: Array) -> Array:
-            base = residual(x)
-            steps = np.where(x + usual < high, usual, -usual)
-            return np.column_stack([(residual(x + h) - base) / h.sum() for h in np.diag(steps)])
-
-        return least_squares(residual, start, slopes, (low, high), method, x_scale="jac", max_nfev=60)
-
-
-def _loop(context: Context, column: int, told: Array) -> tuple[Array, float]:
-    """(5,) numbers of the servo of a joint, as in SERVO_OF_EACH, and what is left of its squared residual.
-    What the recording does not show stays what it was ``told`` to be (5,).
-    """
-    fastest, whole = _fastest(context, column), Loop.of(context, column)
+    context, column = whole.context, whole.column
+    fastest = fastest_of(context, column)
     some = moving([view.span for view in context.views], column)
     part = replace(whole, context=context.over(some)) if some else whole
     fits = []
@@ -214,7 +183,7 @@ def _loop(context: Context, column: int, told: Array) -> tuple[Array, float]:
         starts = [
             np.array([*np.log([kp, swings, fastest * top]), late]) for kp, swings, late in product(*STARTS)
         ]
-        starts.sort(key=lambda x: part.left(_numbers(x)))
+        starts.sort(key=lambda x: part.left(numbers_of(x)))
         near = min((part.fitted(x, method) for x in starts[:SEVERAL] for method in METHODS), key=_cost)
         fits.append(near if part is whole else whole.fitted(near.x))
     at, nearest = np.inf, min(fits, key=_cost)
@@ -222,7 +191,7 @@ def _loop(context: Context, column: int, told: Array) -> tuple[Array, float]:
         at = nearest.cost
         beside = [whole.fitted(_later(nearest.x, by, whole.low[:4], whole.high[:4])) for by in VALLEYS]
         nearest = min([nearest, *beside], key=_cost)
-    best = _numbers(nearest.x)
+    best = numbers_of(nearest.x)
     cost = whole.left(best)
     open_top = np.maximum(told, TOPS[-1] * fastest)
     shown = (np.where(TOP_SPEED, open_top, numbers) for numbers in (told, best))
@@ -233,17 +202,24 @@ def _told_speed(context: Context, column: int, found: Array) -> Array:
     """(5,) numbers of a servo that is told how fast its setpoints move, where that explains more than what
     was ``found`` (5,) without.
     """
-    loop, fastest = Loop.of(context, column), np.log(found[TOP_SPEED][0])
+    loop, fastest = _at(context, column, found), np.log(found[TOP_SPEED][0])
     starts = [
         np.array([np.log(kp), np.log(swings), fastest, 0.0, share])
         for kp, swings, share in product(*STARTS[:2], FED)
     ]
     starts = [np.clip(x, loop.low, loop.high) for x in starts]
-    starts.sort(key=lambda x: loop.left(_numbers(x)))
-    best = min((_numbers(loop.fitted(x).x) for x in starts[:SEVERAL]), key=loop.left)
+    starts.sort(key=lambda x: loop.left(numbers_of(x)))
+    best = min((numbers_of(loop.fitted(x).x) for x in starts[:SEVERAL]), key=loop.left)
     if loop.left(best) > loop.left(found) - SIGNIFICANT:
         return found
     return _with_top(loop, best, found)
+
+
+def _at(context: Context, column: int, found: Array) -> Loop:
+    """The loop of numbers that were ``found`` (5,), pulled by the load where that explains clearly more."""
+    loop, pulled = Loop.of(context, column), Loop.pulled_at(context, column)
+    there = pulled is not None and CLEARLY**2 * pulled.left(found) < loop.left(found)
+    return pulled if pulled is not None and there else loop
 
 
 def _with_top(loop: Loop, best: Array, other: Array) -> Array:
@@ -260,17 +236,3 @@ def _later(x: Array, by: float, low: Array, high: Array) -> Array:
     """What is fitted of a loop that is ``by`` s later, and as much quicker."""
     lag = np.exp(-x[0]) - by
     return np.asarray(np.clip([-np.log(lag) if lag > 0.0 else x[0], *x[1:3], x[3] + by], low, high))
-
-
-def _residual(context: Context, column: int, numbers: Array) -> Array:
-    """(n,) whitened: what a joint's servo with these ``numbers`` (4,) leaves."""
-    own = dict(zip(SERVO_OF_EACH, numbers.tolist(), strict=True))
-    here = replace(context, stage=context.stage.of(replace(context.arm, **own)))
-    return here.whitened(context.known, column)
-
-
-def _numbers(x: Array) -> Array:
-    """(5,) as in SERVO_OF_EACH of what is fitted, without the share of the speed (4,) or with it (5,)."""
-    kp, swings, fastest = np.exp(x[:3])
-    share = float(x[4]) if len(x) > 4 else 0.0
-    return np.array([kp, swings / kp, fastest, x[3], share])

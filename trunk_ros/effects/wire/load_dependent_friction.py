@@ -25,9 +25,7 @@ class LoadDependentFriction(Effect):
     refined = ("rounded",)
     parameters = (
         Parameter("gain", "rad/(N*m)", (0.0, 1e3), "half-width per moment of load", typical=3e-3),
-        Parameter(
-            "knee", "N*m", (0.0, 1e3), "load below which the friction grows more slowly", typical=0.02
-        ),
+        Parameter("knee", "N*m", (0.0, 1e3), "load below which the friction grows more slowly", typical=0.02),
     )
     needs = ("load",)
     confused_with = (

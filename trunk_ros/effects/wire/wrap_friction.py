@@ -14,10 +14,10 @@ SOURCES = 3
 
 
 def _gain(k: int) -> Parameter:
+    name = "gain" if k == 1 else f"gain_{k}"
     return Parameter(
-        "gain" if k == 1 else f"gain_{k}", "1", (-1.0, 1.0), "half-width per angle of the source", typical=1e-3,
-        optional=k > 1,
-    )  # fmt: skip
+        name, "1", (-1.0, 1.0), "half-width per angle of the source", typical=1e-3, optional=k > 1
+    )
 
 
 class WrapFriction(Effect):
