@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.ndimage import maximum_filter1d, uniform_filter1d
 
+from trunk_ros.arm import Arm
 from trunk_ros.arm_model import HELD, ArmModel
 from trunk_ros.chain import Chain
 from trunk_ros.effects.servo.loop import STEP
@@ -12,7 +13,9 @@ from trunk_ros.recording.recording import Floats, JointSeries, Recording
 from trunk_ros.recording.signal.encoder import HIDDEN, MEDIAN_TO_STD, ON_GRID
 from trunk_ros.recording.signal.fill import between, fill, hold
 from trunk_ros.recording.signal.gaps import bridged
-from trunk_ros.recording.signal.resample import SAME, joint_grid, stops_to_measure
+from trunk_ros.recording.signal.resample import SAME, joint_grid, resample, stops_to_measure
+from trunk_ros.resistance import Resistance, resistance
+from trunk_ros.transmission import at_joints
 
 LOST = 3.0  # s: who falls silent for longer has stopped, and messages were not lost
 DRIFT = 0.5  # standard deviations of noise: four of the mean over AGREES samples
@@ -21,16 +24,34 @@ AT_ONCE = 2**17  # samples that are computed together: of long recordings more w
 AGREES = 65  # samples around a moment whose readings must all be those of the servo's course
 
 
-def servo_course(setpoints: JointSeries, wanted: Floats, model: ArmModel) -> JointSeries:
-    """Gearbox angles of the model's servos under setpoints, at the stamps ``wanted`` (n,) s."""
+def servo_course(
+    setpoints: JointSeries, wanted: Floats, model: ArmModel, seen: Recording | None = None
+) -> JointSeries:
+    """Gearbox angles of the model's servos under setpoints, at the stamps ``wanted`` (n,) s, under the
+    load that was ``seen`` beside them.
+    """
     grid, rows, kept = joint_grid(setpoints.stamp, wanted, fine=False, beyond=True)
     last = np.clip(np.searchsorted(setpoints.stamp, grid + SAME, side="right") - 1, 0, None)
     held, chain = hold(setpoints.position), Chain(model.only(setpoints.joints), "servo")
+    known = None if seen is None else felt(seen, model.only(setpoints.joints).arm, grid)
     phi, state = np.empty((len(grid), held.shape[1])), None
     for first in range(0, len(grid), AT_ONCE):
         piece = slice(first, first + AT_ONCE)
-        phi[piece], state = chain.run(held[last[piece]], grid[piece], state)
+        phi[piece], state = chain.run(
+            held[last[piece]], grid[piece], state, resistance=None if known is None else known.part(piece)
+        )
     return JointSeries(wanted[kept], setpoints.joints, phi[rows])
+
+
+def felt(recording: Recording, arm: Arm, grid: Floats) -> Resistance | None:
+    """What a recording tells of the load on an arm's motors, at ``grid`` (m,) s; None where it does not."""
+    gearbox = recording.series.get("gearbox_states")
+    if gearbox is None or not set(arm.joints) <= set(gearbox.joints):
+        return None
+    gearbox = gearbox.select(arm.joints)
+    at_wires = at_joints(gearbox, arm, measured=False)
+    turned = arm.driven(resample(gearbox, grid)[0])
+    return resistance(arm.uncoupled(), at_wires, grid, turned, recording.series.get("joint_states"))
 
 
 def given(setpoints: JointSeries, model: ArmModel) -> JointSeries:
@@ -71,7 +92,7 @@ def as_the_servo_went(
     setpoints = all_setpoints(recording, gearbox.joints, model)
     if setpoints is None:
         return phi
-    course = servo_course(setpoints, np.union1d(stamp, grid), model)
+    course = servo_course(setpoints, np.union1d(stamp, grid), model, recording)
     there, on_grid = np.searchsorted(course.stamp, stamp), np.searchsorted(course.stamp, grid)
     before = np.clip(np.searchsorted(stamp, grid + SAME, side="right") - 1, 0, len(stamp) - 1)
     after = np.clip(np.searchsorted(stamp, grid - SAME), 0, len(stamp) - 1)

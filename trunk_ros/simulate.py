@@ -48,7 +48,7 @@ def simulate(
         assert setpoints is not None
         wanted = recording.series.get("gearbox_states", given).stamp
         grid, rows, kept = joint_grid(wanted, shown_at, beyond=True)
-        driven = servo_course(setpoints, grid, model)
+        driven = servo_course(setpoints, grid, model, recording)
         phi = resample(driven, grid)[0]
         there = phi[np.clip(np.searchsorted(grid, wanted - SAME), 0, len(grid) - 1)]
         series["gearbox_states"] = JointSeries(wanted, model.only(joints).arm.motor_names, there)
@@ -98,4 +98,4 @@ def _as_driven(recording: Recording, gearbox: JointSeries, steps: Array, model: 
     lost = missing(gearbox.stamp, end=float(recording.series["setpoints"].stamp[-1]))
     if not len(lost):
         return gearbox
-    return bridged(gearbox, servo_course(setpoints, np.union1d(gearbox.stamp, lost), model))
+    return bridged(gearbox, servo_course(setpoints, np.union1d(gearbox.stamp, lost), model, recording))

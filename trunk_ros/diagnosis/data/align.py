@@ -28,9 +28,8 @@ from trunk_ros.recording.signal.resample import (
     stops_to_measure,
 )
 from trunk_ros.resistance import resistance
-from trunk_ros.servo_course import all_setpoints, as_the_servo_went, given
+from trunk_ros.servo_course import all_setpoints, as_the_servo_went, felt, given
 from trunk_ros.start import TURNS
-from trunk_ros.transmission import at_joints
 
 FORGETS = 0.5  # s without gearbox angles in which a joint may have turned unseen
 UNSEEN = 1e-5  # rad that a joint may have gone on before it turned, in a gap, that do not count
@@ -149,8 +148,7 @@ def servo_span(recording: Recording, model: ArmModel) -> Span:
     phi, velocity = resample(gearbox, grid)
     target = np.where(valid, measured, 0.0)
     unknown = (np.empty(0, dtype=int),) * len(joints)
-    at_wires, shown = at_joints(gearbox, arm, measured=False), recording.series.get("joint_states")
-    known = resistance(arm.uncoupled(), at_wires, grid, arm.driven(phi), shown)
+    known = felt(recording, arm, grid)
     return Span(
         recording.name, joints, grid, source, velocity, rows, target, valid, phi, unknown, known, anew=anew
     )
