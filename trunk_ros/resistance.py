@@ -68,6 +68,20 @@ def resistance(
     return None
 
 
+def on_motors(
+    arm: Arm, gearbox: JointSeries, grid: Array, phi: Array, shown: JointSeries | None = None
+) -> Resistance | None:
+    """The same for servos: these give way to all that their motors pull, friction and inertia as well, at the
+    time at which they do; a joint's own sensor tells of its load alone.
+    """
+    if arm.load_from != "effort" or gearbox.effort is None:
+        return resistance(arm, gearbox, grid, phi, shown)
+    if shown is not None and tells(load_cells(arm.joints, shown)).any():
+        return resistance(arm, gearbox, grid, phi, shown)
+    pulled = -_at(grid, gearbox) / arm.ratio
+    return Resistance(pulled, np.zeros_like(pulled), False)
+
+
 def load_cells(joints: tuple[str, ...], shown: JointSeries) -> Array:
     """(n, joints) N m: effort of joint states, NaN where a joint has none."""
     out = np.full((len(shown.stamp), len(joints)), np.nan)

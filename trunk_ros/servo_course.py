@@ -14,7 +14,7 @@ from trunk_ros.recording.signal.encoder import HIDDEN, MEDIAN_TO_STD, ON_GRID
 from trunk_ros.recording.signal.fill import between, fill, hold
 from trunk_ros.recording.signal.gaps import bridged
 from trunk_ros.recording.signal.resample import SAME, joint_grid, resample, stops_to_measure
-from trunk_ros.resistance import Resistance, resistance
+from trunk_ros.resistance import Resistance, on_motors
 from trunk_ros.transmission import at_joints
 
 LOST = 3.0  # s: who falls silent for longer has stopped, and messages were not lost
@@ -51,7 +51,7 @@ def felt(recording: Recording, arm: Arm, grid: Floats) -> Resistance | None:
     gearbox = gearbox.select(arm.joints)
     at_wires = at_joints(gearbox, arm, measured=False)
     turned = arm.driven(resample(gearbox, grid)[0])
-    return resistance(arm.uncoupled(), at_wires, grid, turned, recording.series.get("joint_states"))
+    return on_motors(arm.uncoupled(), at_wires, grid, turned, recording.series.get("joint_states"))
 
 
 def given(setpoints: JointSeries, model: ArmModel) -> JointSeries:

@@ -96,15 +96,24 @@ def test_the_error_falls_to_the_noise_on_samples_that_the_fit_did_not_see(loose:
 
 
 @pytest.mark.parametrize(
-    ("effect", "gain"), [("joint_coupling", 0.01), ("posture_ratio", 0.03), ("wrap_friction", 3e-3)]
+    ("effect", "form", "gain"),
+    [
+        ("joint_coupling", "angle", 0.01),
+        ("joint_coupling", "behind", 0.01),
+        ("posture_ratio", "", 0.03),
+        ("wrap_friction", "bent", 3e-3),
+    ],
 )
-def test_the_model_found_predicts_another_run_of_the_same_arm(effect: str, gain: float) -> None:
-    effects = {effect: {"gain": on(3, gain), "source": ["", "", "joint_2"]}}
+def test_the_model_found_predicts_another_run_of_the_same_arm(effect: str, form: str, gain: float) -> None:
+    effects = {
+        effect: {"gain": on(3, gain), "source": ["", "", "joint_2"], **({"form": form} if form else {})}
+    }
     result = diagnose([of_the_wires(recorded(effects))])
     (found,) = result.findings
     values = {name: said["value"] for name, said in found.parameters["joint_3"].items()}
     assert (found.effect, found.joints) == (effect, ["joint_3"])
     assert values == {"gain": pytest.approx(gain, rel=0.05), "source": "joint_2"}
+    assert found.evidence["form"] == form or form == "angle"  # which the motion hardly tells
     other = recorded(effects, seed=7, noise=0.0)
     measured = other.series["joint_states"].position[300:]
     error = {
@@ -114,6 +123,13 @@ def test_the_model_found_predicts_another_run_of_the_same_arm(effect: str, gain:
         for name, model in (("before", SHORT), ("after", result.model))
     }
     assert error["after"] < 0.05 * error["before"]
+
+
+def test_a_dead_band_that_is_narrower_than_stated_is_no_creep() -> None:
+    """Creep before the friction, of nothing and under friction alone, had let the wire play less."""
+    (found,) = diagnose([of_the_wires(recorded({"backlash": {"half_width": on(3, -2e-4)}}))]).findings
+    assert (found.effect, found.joints) == ("backlash", ["joint_3"])
+    assert found.parameters["joint_3"]["half_width"]["value"] == pytest.approx(-2e-4, rel=0.05)
 
 
 def test_a_joint_that_stood_somewhere_in_its_play_for_long_is_no_finding() -> None:

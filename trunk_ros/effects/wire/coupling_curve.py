@@ -9,7 +9,7 @@ import numpy as np
 
 from trunk_ros.compiled import Array, compiled
 from trunk_ros.effects.bank import WEIGHTS, Bank, parameters_of, words_of
-from trunk_ros.effects.wire.joint_coupling import JointCoupling
+from trunk_ros.effects.wire.joint_coupling import BEHIND, JointCoupling
 
 BEYOND = 0.25  # of its range that a curve goes on straight beyond its ends
 NARROW = 1e-9  # rad
@@ -22,7 +22,7 @@ class CouplingCurve(Bank):
     """
 
     id = "coupling_curve"
-    stage, place = "wire", 245
+    stage, place = "wire", BEHIND
     forms = ("behind", "guides")
     signature = "The residual follows another joint's angle along a bent line, the same in both directions."
     source = (

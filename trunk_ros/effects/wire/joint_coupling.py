@@ -12,6 +12,7 @@ from trunk_ros.effects.wire.play import SharpPlay
 from trunk_ros.parameter import Parameter
 
 SOURCES = 3
+BEHIND = 245  # where curves of other joints act as well
 
 
 def _gain(k: int) -> Parameter:
@@ -22,7 +23,8 @@ def _gain(k: int) -> Parameter:
 
 
 class JointCoupling(Effect):
-    """u += gain theta_source, for up to three sources a joint.
+    """u += gain theta_source, for up to three sources a joint. behind: theta += gain theta_source, behind the
+    friction of the joint's own wire, as where its sensor or its last guide lies on the source's link.
 
     drag: wires that touch. u += gain s + drag (s - play(s, reach)) with s = r phi of the source's wire: it
     takes this joint's wire along by friction, as far as ``reach``, and then slides on it.
@@ -39,8 +41,8 @@ class JointCoupling(Effect):
         "Ciofu & Stan, fig. 1: wires of distal joints pass through the guides of the proximal ones; "
         "drag: presliding friction between two wires, Dahl (1968) in its play form."
     )
-    forms = ("angle", "drag")
-    refined = ("drag",)
+    forms = ("angle", "behind", "drag")
+    refined = ("behind", "drag")
     parameters = (
         *(_gain(k) for k in range(1, SOURCES + 1)),
         Parameter("drag", "1", (-5.0, 5.0), "share of the first source's motion taken along", typical=0.1),
@@ -54,6 +56,10 @@ class JointCoupling(Effect):
     confused_with = (
         ("load_elasticity", "hold this joint and turn others so that the arm's reach stays the same"),
     )
+
+    @property
+    def acts_at(self) -> int:
+        return BEHIND if self.form == "behind" else self.place
 
     def run(self, x: Array, now: Now, state: Any) -> tuple[Array, Any]:
         pull, state = self._pull(now, state)
@@ -113,7 +119,7 @@ class JointCoupling(Effect):
             for column, source, gain in self._links:
                 gains[now.joints.index(source), column] += gain
             self._gains = now.joints, gains
-        if self.form == "angle":
+        if self.form != "drag":
             return np.asarray(now.angles @ gains), None
         dragging = [source or "" for source in self.words.get("source", ("",) * len(now.ratio))]
         moved = np.zeros((len(now.stamp), len(now.ratio)))
