@@ -16,6 +16,7 @@ from trunk_ros.commands.info import foreign, gathered, model_for
 from trunk_ros.diagnosis.data.quality import left_out
 from trunk_ros.model import load_model, save_model
 from trunk_ros.recording.importing.bag import read_bag
+from trunk_ros.recording.importing.csv import read_csv
 from trunk_ros.recording.recording import Recording
 from trunk_ros.recording.write import write_recording
 
@@ -129,3 +130,46 @@ def test_the_noise_of_a_slide_is_said_in_millimetres(
     (wire,) = [line for line in capsys.readouterr().out.splitlines() if line.startswith("  wire")]
     assert wire.endswith("mm")
     assert "rad" not in wire
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("%time,x\n1354825672489194938,1\n1354825672499194938,2\n", 'time: {column: "%time", unit: ns}'),
+        ("stamp,x\n1354825672.48,1\n1354825672.49,2\n", "time: {column: stamp, unit: s}"),
+        ("a: b,x\n0,1\n1,0\n", 'time: {column: "a: b", unit: s}'),
+        ("x,t\n0,0\n1,1\n2,2\n", "time: {column: t, unit: s}"),
+        ("uptime,x\n1200000000000,1\n1200010000000,2\n", "time: {column: uptime, unit: ns}"),
+        ("torque,x\n3,1\n1,2\n2,1\n", "rate_hz: RATE"),
+        ("  t    x\n  0    1\n  1    2\n", 'delimiter: " "'),
+        ("t\t\tx\n0\t1\n1\t2\n", 'delimiter: " "'),
+        ("t\tx\n0\t1\n1\t2\n", 'delimiter: "\\t"'),
+        ("# arm, run 7\n# t x\n0 1\n1 2\n", "time: {column: t, unit: s}"),
+    ],
+)
+def test_the_mapping_to_begin_with_has_the_time_that_a_table_has_as_yaml_takes_it(
+    text: str, said: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file, mapping = tmp_path / "run.dat", tmp_path / "map.yaml"
+    file.write_text(text)
+    assert main(["info", str(file)]) == 0
+    shown = capsys.readouterr().out
+    assert f"  {said}" in shown
+    proposed = shown[shown.index("save it as MAP.yaml:") + 20 : shown.index("then:")].replace("RATE ", "10 ")
+    mapping.write_text(proposed.replace("MOTOR_SIDE_ANGLE", "x").replace("JOINT_ANGLE", "x"))
+    assert len(read_csv(file, mapping).require("joint_states").stamp) > 1
+
+
+def test_a_table_of_numbers_apart_by_blanks_has_no_header(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    np.savetxt(tmp_path / "run.txt", np.random.default_rng(0).normal(size=(20, 3)), fmt="%16.7e")
+    assert main(["info", str(tmp_path / "run.txt")]) == 2
+    assert "line 1 holds numbers: a table begins with the names" in capsys.readouterr().err
+
+
+def test_a_mapping_that_is_no_yaml_is_told_why(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (tmp_path / "map.yaml").write_text("time: {column: %time, unit: ns}\n")
+    assert main(["check", str(tmp_path / "map.yaml")]) == 2
+    said = capsys.readouterr().err
+    assert "is not YAML in line 1, column 16 (found character that cannot start any token)" in said

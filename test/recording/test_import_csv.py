@@ -294,3 +294,50 @@ def test_joints_faster_than_any_are_asked_about_and_stations_are_not(tmp_path):
     slow = read_csv(table(tmp_path, f"t,x\n{rows}"), mapping())
     assert not [note for note in slow.notes if "is the unit of the time right" in note]
     assert [note for note in fast.notes if "is the unit of the time right" in note]
+
+
+BLANKS = {"delimiter": " ", "joint_states": position("x")}
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "  t     x\n  0   1e0\n  0.5   3\n",
+        "t\t\tx\n0\t\t1\n0.5\t 3\t\n",
+        "# Run 7 of the arm\n#\n# t x\n0 1\n0.5 3\n",
+        "% made by a script\n\nt x\n0 1\n0.5 3\n",
+    ],
+)
+def test_a_table_aligned_by_blanks_is_read_below_its_comments(tmp_path, text):
+    series = read_csv(table(tmp_path, text), mapping(**BLANKS)).require("joint_states")
+    assert series.position.ravel().tolist() == [1.0, 3.0]
+    assert series.stamp.tolist() == [0.0, 0.5]
+    with pytest.raises(RecordingError, match=r"t.*x in one: the mapping wants `delimiter: \" \"`$"):
+        read_csv(table(tmp_path, text), mapping())
+
+
+def test_comments_above_a_header_are_no_part_of_a_table_and_lines_are_those_of_the_file(tmp_path):
+    for head in ("# arm, run 7\nt,x\n", "# arm, run 7\n# t,x\n"):
+        recording = read_csv(table(tmp_path, f"{head}0,1\n1,2\n"), mapping())
+        assert recording.require("joint_states").position.ravel().tolist() == [1, 2]
+        with pytest.raises(RecordingError, match="line 4: 'two' is not a number"):
+            read_csv(table(tmp_path, f"{head}0,1\n1,two\n"), mapping())
+
+
+def test_a_name_that_begins_with_a_mark_of_comments_stays_the_name_of_its_column(tmp_path):
+    time = {"column": "%time", "unit": "ns"}
+    recording = read_csv(table(tmp_path, "%time,x\n1000000000,1\n3000000000,2\n"), mapping(time=time))
+    assert recording.require("joint_states").stamp.tolist() == [0.0, 2.0]
+
+
+@pytest.mark.parametrize("delimiter", [" ", ",", ";"])
+def test_numbers_apart_by_blanks_are_no_header(tmp_path, delimiter):
+    with pytest.raises(RecordingError, match=r"line 1 holds numbers .*put a line with the names"):
+        read_csv(table(tmp_path, "  0.0  0.5\n  1.0  0.6\n"), mapping(delimiter=delimiter))
+
+
+def test_a_file_of_arrays_is_pointed_to_where_it_can_be_read(tmp_path):
+    np.savez(tmp_path / "run.npz", t=np.arange(3.0))
+    for read in (lambda path: read_csv(path, mapping()), read_recording):
+        with pytest.raises(RecordingError, match=r"Recording\.from_arrays or from_pandas .*or saved as CSV"):
+            read(tmp_path / "run.npz")

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import re
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -15,8 +14,7 @@ if TYPE_CHECKING:
     from trunk_ros.model import Model
     from trunk_ros.recording.recording import Recording
 
-TABLES = (".csv", ".tsv", ".txt")
-SOME_ROWS = 20  # in which a decimal comma shows
+TABLES = (".csv", ".tsv", ".txt", ".dat", ".asc")
 
 
 def parser() -> Parser:
@@ -195,47 +193,22 @@ def _stage(stage: str, told: dict[str, Any], units: dict[str, str]) -> list[str]
 
 def table(path: Path) -> list[str]:
     """The columns of a table with what they hold, and the mapping to begin with."""
-    from trunk_ros.errors import RecordingError
-    from trunk_ros.recording.importing.table import are_numbers, with_comma
+    from trunk_ros.recording.importing.survey import survey
+    from trunk_ros.recording.plain_yaml import plain
 
-    try:
-        with path.open(encoding="utf-8-sig") as stream:
-            lines = [line.rstrip("\n") for line in stream]
-    except (OSError, ValueError) as error:
-        raise RecordingError(f"{path}: cannot be read as a table ({error})") from None
-    head, *rows = lines or [""]
-    if not head.strip():
-        raise RecordingError(f"{path}: is empty: a table begins with the names of its columns")
-    delimiter = max(",;\t", key=head.count)
-    names = [name.strip().strip('"') for name in head.split(delimiter)]
-    if are_numbers(names):
-        raise RecordingError(f"{path}: line 1 holds numbers: a table begins with the names of its columns")
-    first = rows[0].split(delimiter) if rows else [""]
-    commas = any(with_comma(value) for row in rows[:SOME_ROWS] for value in row.split(delimiter))
-    shown = [(name, value.strip()) for name, value in zip(names, [*first, *[""] * len(names)], strict=False)]
+    found = survey(path)
+    time = f"time: {{column: {plain(found.time)}, unit: {found.unit}}}"
+    rate = "rate_hz: RATE  # rows per s: no column increases throughout, as a time does"
     return [
-        f"{path}: a table of {len(rows)} rows",
-        *columns([("column", "first value"), *shown]),
+        f"{path}: a table of {found.count} rows",
+        *columns([("column", "first value"), *zip(map(plain, found.names), found.first, strict=True)]),
         "",
         "A mapping says which columns are which; put the right ones in and save it as MAP.yaml:",
-        f"  time: {{column: {names[0]}, unit: {_unit_in(names[0], first[0])}}}",
+        f"  {time if found.time else rate}",
         "  joints: [joint_1]",
         "  gearbox_states: {position: {columns: [MOTOR_SIDE_ANGLE], unit: rad}}",
         "  joint_states: {position: {columns: [JOINT_ANGLE], unit: rad}}",
-        *([f'  delimiter: "{delimiter}"'] if delimiter != "," else []),
-        *(['  decimal: ","'] if delimiter != "," and commas else []),
+        *([f"  delimiter: {json.dumps(found.delimiter)}"] if found.delimiter != "," else []),
+        *([f'  decimal: "{found.decimal}"'] if found.decimal != "." else []),
         f"then: trunk_ros import {path} --mapping MAP.yaml -o {path.with_suffix('')}",
     ]
-
-
-def _unit_in(name: str, value: str) -> str:
-    """The unit of a column of times by its first value, which may be a date, or by what its name ends with,
-    such as "t_ms" and "time[ns]"; else s.
-    """
-    from trunk_ros.recording.importing.table import is_date
-    from trunk_ros.recording.importing.units import DATES, TIME_UNITS
-
-    if is_date(value.strip().strip('"')):
-        return DATES
-    last = re.split(r"[^a-z]+", name.lower().rstrip(")] "))[-1]
-    return last if last in TIME_UNITS else "s"

@@ -13,6 +13,12 @@ from trunk_ros.errors import RecordingError
 from trunk_ros.recording.importing.units import UNITS
 from trunk_ros.recording.series import Floats, JointSeries
 
+ELSEWHERE = (
+    "arrays (.mat, .npz, .h5, .parquet) come in by Recording.from_arrays or from_pandas of "
+    "trunk_ros.recording.recording in Python, or saved as CSV by `trunk_ros import`"
+)
+"""Where to go with a file that no reader takes."""
+
 Columns = str | Sequence[str] | Mapping[str, str]
 
 

@@ -1,5 +1,6 @@
 """YAML from strangers: small, without the constructs that grow when they are read."""
 
+import json
 from typing import Any
 
 import yaml
@@ -67,10 +68,9 @@ def load(data: bytes, references: bool = True) -> Any:
         return yaml.load(data, Loader=_Loader)
     except yaml.YAMLError as error:
         mark = getattr(error, "problem_mark", None)
-        what = error.problem if isinstance(error, yaml.constructor.ConstructorError) and mark else ""
-        raise ValueError(
-            f"is not YAML{f' in line {mark.line + 1}' if mark else ''}{f' ({what})' if what else ''}"
-        ) from None
+        what = getattr(error, "problem", None) or getattr(error, "reason", "")
+        place = f" in line {mark.line + 1}, column {mark.column + 1}" if mark else ""
+        raise ValueError(f"is not YAML{place}{f' ({what})' if what else ''}") from None
     except _LargeError:
         raise ValueError(
             f"holds more than {_MOST} values: give {allowance.OPTION} if it is meant to"
@@ -105,3 +105,12 @@ def scalar(value: Any) -> str:
 def dump(content: Any) -> str:
     """YAML that other readers take: in order, and without references."""
     return str(yaml.dump(content, Dumper=_Dumper, sort_keys=False))
+
+
+def plain(text: str) -> str:
+    """Text as a value between braces or brackets: in quotes where YAML takes it for something else."""
+    try:
+        as_it_is = load(f"[{text}]".encode()) == [text]
+    except ValueError:
+        as_it_is = False
+    return text if as_it_is else json.dumps(text, ensure_ascii=False)

@@ -10,6 +10,7 @@ import numpy as np
 import zstandard
 
 from trunk_ros.recording.allowance import Allowance, is_lifted
+from trunk_ros.recording.arrays import ELSEWHERE
 from trunk_ros.recording.bag import metadata
 from trunk_ros.recording.bag import ros1 as ros1_file
 from trunk_ros.recording.bag import sqlite as sqlite_file
@@ -147,7 +148,7 @@ def _magic(file: Path) -> bytes:
     for magic in _STORAGES:
         if head.startswith(magic):
             return magic
-    raise DamageError("is no recording: neither MCAP, nor rosbag2 sqlite3, nor a ROS 1 bag")
+    raise DamageError(f"is no recording: neither MCAP, nor rosbag2 sqlite3, nor a ROS 1 bag; {ELSEWHERE}")
 
 
 @contextmanager

@@ -5,10 +5,8 @@ import numpy as np
 from trunk_ros.recording.importing.mapping import Mapping
 from trunk_ros.recording.recording import Floats, JointSeries
 
-_SLOW, _FAST = (
-    2.0,
-    1e-4,
-)  # s from row to row: nobody samples so rarely what moves smoothly, or an arm so often
+SLOW = 2.0  # s from row to row: nobody samples so rarely what moves smoothly,
+FAST = 1e-4  # or an arm so often
 _MANY, _SMOOTH = 300, 0.02  # rows; of the range from row to row: whoever stops to measure goes further
 _RACES = 100.0  # rad/s: no joint does
 
@@ -24,11 +22,11 @@ def time_remarks(mapping: Mapping, series: dict[str, JointSeries]) -> list[str]:
     period = float(np.median(np.diff(stamp)))
     asked = "`rate_hz`" if mapping.time is None else "the unit of the time"
     told = f"a row every {period:.3g} s, {_spoken(float(stamp[-1]))} in all"
-    if period >= _SLOW and len(stamp) >= _MANY and all(_is_smooth(each.position) for each in series.values()):
+    if period >= SLOW and len(stamp) >= _MANY and all(_is_smooth(each.position) for each in series.values()):
         return [
             f"{told}, and all moves smoothly: is {asked} right? In ms it would be {_spoken(stamp[-1] / 1e3)}"
         ]
-    if period <= _FAST:
+    if period <= FAST:
         return [f"{told}: is {asked} right?"]
     known = [each for key, each in series.items() if key == "joint_states"]
     speed = max((_speed(np.diff(each.stamp), each.position) for each in known), default=0.0)

@@ -2,59 +2,19 @@
 
 import csv
 import json
-import re
 from array import array
-from collections.abc import Callable, Collection, Iterator
-from datetime import UTC, datetime
+from collections.abc import Callable, Collection
 from pathlib import Path
 
 import numpy as np
 
 from trunk_ros.errors import RecordingError
+from trunk_ros.recording.importing.field import are_numbers, as_date, is_date, with_comma
+from trunk_ros.recording.importing.rows import Rows, opened, refuse_binary
 from trunk_ros.recording.importing.units import DATES
 from trunk_ros.recording.recording import Floats
 
-DELIMITERS = ";\t|"
-_COMMA = re.compile(r"[+-]?\d*,\d+([eE][+-]?\d+)?")
 _EMPTY = {"", "nan", "na", "n/a", "null", "none", "-"}
-
-
-def with_comma(text: str) -> bool:
-    """Whether a field is a number with a decimal comma."""
-    return bool(_COMMA.fullmatch(text.strip()))
-
-
-def as_date(text: str) -> float:
-    """s since 1970 of a date and time in ISO 8601; UTC where it names no zone. ValueError where it is no
-    such date.
-    """
-    date = datetime.fromisoformat(text.strip())
-    return (date if date.tzinfo else date.replace(tzinfo=UTC)).timestamp()
-
-
-def is_date(text: str) -> bool:
-    """Whether a field is a date and time in ISO 8601, and no number."""
-    try:
-        return "-" in text and ":" in text and as_date(text) == as_date(text)
-    except ValueError:
-        return False
-
-
-def are_numbers(names: list[str]) -> bool:
-    """Whether the names of columns are numbers, as where a table has no header; whole ones that only count
-    on are names.
-    """
-    values = [_float(name) for name in names]
-    if None in values or not values:
-        return False
-    return values not in ([*range(len(values))], [*range(1, len(values) + 1)])
-
-
-def _float(text: str) -> float | None:
-    try:
-        return float(text.replace(",", "."))
-    except ValueError:
-        return None
 
 
 def read_table(
@@ -67,13 +27,13 @@ def read_table(
     or says that there is no header.
     """
     try:
+        refuse_binary(path)
         with path.open(encoding="utf-8-sig", errors="replace", newline="") as stream:
-            rows = csv.reader(stream, delimiter=delimiter)
-            header = [name.strip() for name in next(rows, [])]
-            _check(path, header, columns)
-            places = [header.index(name) for name in columns]
+            table = opened(stream, delimiter)
+            _check(path, table, columns)
+            places = [table.names.index(name) for name in columns]
             read = [as_date if name in dates else _number(decimal) for name in columns]
-            values, remarks = _values(path, rows, list(zip(places, read, strict=True)), len(header))
+            values, remarks = _values(path, table, list(zip(places, read, strict=True)))
     except OSError as error:
         raise RecordingError(f"{path}: cannot be read ({error.strerror})") from None
     except csv.Error as error:
@@ -83,27 +43,39 @@ def read_table(
     return dict(zip(columns, values, strict=True)), remarks
 
 
-def _check(path: Path, header: list[str], columns: tuple[str, ...]) -> None:
-    there = ", ".join(header)[:600]
-    if are_numbers(header):
+def _check(path: Path, table: Rows, columns: tuple[str, ...]) -> None:
+    header, numbers = table.names, ", ".join(table.names)[:60]
+    missing = [name for name in columns if name not in header]
+    other = _otherwise(path) if missing and len(header) == 1 else table
+    if are_numbers(other.names):
         raise RecordingError(
-            f"{path}: line 1 holds numbers ({there[:60]}): put a line with the names of the columns above it"
+            f"{path}: line {table.line} holds numbers ({numbers}): "
+            "put a line with the names of the columns above it"
         )
-    if missing := [name for name in columns if name not in header]:
-        other = [mark for mark in DELIMITERS if len(header) == 1 and mark in header[0]]
-        hint = f" in one: the mapping wants `delimiter: {json.dumps(other[0])}`" if other else ""
-        raise RecordingError(f"{path}: has no column {', '.join(missing)}; there are {there or 'none'}{hint}")
+    if missing:
+        there, hint = ", ".join(header), ""
+        if len(other.names) > len(header):
+            there = other.delimiter.join(other.names)
+            hint = f" in one: the mapping wants `delimiter: {json.dumps(other.delimiter)}`"
+        there = there[:600] or "none"
+        raise RecordingError(f"{path}: has no column {', '.join(missing)}; there are {there}{hint}")
     if double := [name for name in columns if header.count(name) > 1]:
         raise RecordingError(f"{path}: has several columns {', '.join(double)}")
 
 
+def _otherwise(path: Path) -> Rows:
+    """A table as it would be read with the delimiter that it seems to have; its rows cannot be read."""
+    with path.open(encoding="utf-8-sig", errors="replace", newline="") as stream:
+        return opened(stream)
+
+
 def _values(
-    path: Path, rows: Iterator[list[str]], places: list[tuple[int, Callable[[str], float]]], width: int
+    path: Path, table: Rows, places: list[tuple[int, Callable[[str], float]]]
 ) -> tuple[list[Floats], list[str]]:
     """Each column's values by its place and by what reads its fields."""
     values = [array("d") for _ in places]
-    short = 0
-    for line, row in enumerate(rows, start=2):
+    short, width = 0, len(table.names)
+    for line, row in enumerate(table.rows, start=table.first_line):
         if short:
             raise RecordingError(f"{path}: line {short} has fewer fields than the header")
         if not row:
