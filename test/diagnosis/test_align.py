@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -18,6 +19,7 @@ from trunk_ros.diagnosis.data.sensor_faults import without_faults
 from trunk_ros.diagnosis.data.span import Span
 from trunk_ros.diagnosis.first_look import first_look
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
+from trunk_ros.diagnosis.prospects import prospects
 from trunk_ros.diagnosis.servo import ServoStage
 from trunk_ros.diagnosis.stage import Stage
 from trunk_ros.diagnosis.tip.data import tip_data
@@ -27,6 +29,7 @@ from trunk_ros.effects.wire.play import SharpPlay
 from trunk_ros.errors import RecordingError
 from trunk_ros.model import load_model
 from trunk_ros.recording.recording import JointSeries, PoseSeries, Recording
+from trunk_ros.servo_course import servo_course
 from trunk_ros.simulate import simulate
 
 TRUNK = load_model("trunk")
@@ -177,6 +180,46 @@ def test_recordings_of_one_name_keep_a_quality_each() -> None:
 def test_a_recording_in_which_nothing_can_be_judged_is_refused() -> None:
     recording = recorded(seconds=0.3)
     with pytest.raises(RecordingError, match="no joint moves for 50 samples"):
+        diagnose([recording])
+
+
+T = np.arange(0.0, 20.0, 0.002)
+
+
+def under_setpoints(stamp: np.ndarray, went: np.ndarray, kept: np.ndarray | None = None) -> Recording:
+    """What servos did under setpoints (n,) rad at stamps (n,) s, which are recorded where they were kept."""
+    setpoints = JointSeries(stamp, TRUNK.arm.joints, np.outer(went, np.ones(5)))
+    gearbox = servo_course(setpoints, stamp, TRUNK)
+    seen = setpoints if kept is None else setpoints.rows(kept)
+    return Recording("made", 0, float(stamp[-1]), {"setpoints": seen, "gearbox_states": gearbox})
+
+
+def test_a_sender_that_is_held_up_now_and_then_loses_no_setpoints() -> None:
+    """It goes on where it was: its steps are as long over a gap as between all others."""
+    stamp = np.cumsum(np.where(np.arange(len(T)) % 50 == 30, 0.006, 0.002))
+    recording = under_setpoints(stamp, np.sin(2.0 * T))
+    span = servo_span(recording, TRUNK)
+    assert span.valid.mean() > 0.95
+    assert worst(ServoStage([span], TRUNK)) < 6e-5
+    assert next(one for one in prospects(recording, TRUNK) if one.stage == "servo").joints
+
+
+def test_a_single_setpoint_that_is_lost_on_an_even_way_hides_nothing() -> None:
+    recording = under_setpoints(T, 0.2 * T, np.arange(len(T)) % 50 != 30)
+    span = servo_span(recording, TRUNK)
+    assert span.valid.mean() > 0.95
+    assert worst(ServoStage([span], TRUNK)) < 6e-5
+
+
+def test_setpoints_that_may_have_gone_anywhere_in_many_gaps_are_the_reason_that_is_named() -> None:
+    """They jump in each of them."""
+    went = 0.2 * np.cumsum(np.random.default_rng(0).normal(size=len(T) // 50 + 1))
+    jumps = went[(np.arange(len(T)) + 15) // 50]
+    recording = under_setpoints(T, jumps, np.abs(np.arange(len(T)) % 50 - 35) > 2)
+    said = r"setpoints are missing 200 times, and the 0\.3 s after each, .* leave too little: record all"
+    servo = next(one for one in prospects(recording, TRUNK) if one.stage == "servo")
+    assert re.match(said, servo.missing)
+    with pytest.raises(RecordingError, match=said):
         diagnose([recording])
 
 

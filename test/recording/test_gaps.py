@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from trunk_ros.recording.recording import JointSeries
-from trunk_ros.recording.signal.gaps import bridged, gaps, missing
+from trunk_ros.recording.signal.gaps import bridged, gaps, late, missing
 
 T = np.arange(0.0, 10.0, 0.01)
 LOST = (T > 4.0) & (T < 5.2)
@@ -41,3 +41,16 @@ def test_nothing_is_missing_where_messages_keep_no_rate(stamp):
 def test_a_stream_that_falls_silent_for_long_has_stopped():
     assert len(gaps(T[~LOST])) == 1
     assert not len(gaps(T[~LOST], longest=1.0))
+
+
+def test_whoever_is_held_up_goes_on_where_it_was_and_what_is_lost_is_missing_in_the_course():
+    lost = np.arange(len(T)) % 100 != 40
+    assert not late(SERIES.rows(lost)).held.any()
+    assert len(bridged(SERIES.rows(lost)).stamp) == len(T)
+    late_stamp = np.cumsum(np.where(np.arange(len(T)) % 100 == 40, 0.03, 0.01))
+    stalls = JointSeries(late_stamp, ("a", "b"), MOTION)
+    seen = late(stalls)
+    assert seen.after.tolist() == [*range(39, len(T), 100)]
+    assert seen.held.all()
+    assert seen.off.max() < 1e-4
+    assert bridged(stalls) is stalls

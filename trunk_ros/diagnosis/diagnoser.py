@@ -12,7 +12,7 @@ from trunk_ros.diagnosis.against import SERVO, Simulator
 from trunk_ros.diagnosis.aside import aside, size_of
 from trunk_ros.diagnosis.beside import put_right_beside
 from trunk_ros.diagnosis.context import LEAST, Context
-from trunk_ros.diagnosis.data.align import common_joints, servo_joints, servo_span, wire_span
+from trunk_ros.diagnosis.data.align import common_joints, hidden_by_gaps, servo_joints, servo_span, wire_span
 from trunk_ros.diagnosis.data.mix_ups import MixUp, as_if_standing
 from trunk_ros.diagnosis.data.other_simulator import shifted
 from trunk_ros.diagnosis.data.quality import quality_by_name
@@ -147,10 +147,10 @@ class Diagnoser:
         stages = self.result.stages.values()
         seen = any(stage.get("joints") or stage.get("tip") for stage in stages)
         if not seen and not self.result.unexplained:
-            raise RecordingError(
-                f"{', '.join(r.name for r in self.recordings)}: no joint moves for {LEAST} samples or more: "
-                "record a motion that moves the joints, over a longer time"
-            )
+            still = f"no joint moves for {LEAST} samples or more: "
+            still += "record a motion that moves the joints, over a longer time"
+            why = next(filter(None, map(hidden_by_gaps, self.recordings)), still)
+            raise RecordingError(f"{', '.join(r.name for r in self.recordings)}: {why}")
 
     def servo(self) -> None:
         """Setpoint to gearbox, where setpoints were recorded, by another simulator as well."""

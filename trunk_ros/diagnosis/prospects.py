@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from trunk_ros.diagnosis.context import Context
-from trunk_ros.diagnosis.data.align import servo_span, wire_span
+from trunk_ros.diagnosis.data.align import hidden_by_gaps, servo_span, wire_span
 from trunk_ros.diagnosis.data.motion_content import STANDS, top_speed
 from trunk_ros.diagnosis.discrepancy.jumps import turns_of
 from trunk_ros.diagnosis.first_look import first_look
@@ -72,7 +72,8 @@ def _prospect(recording: Recording, model: Model, stage: str) -> Prospect:
     judged = {context.joints[c]: context.noise[c].std for c in context.columns}
     silent = [joint for joint in context.joints if joint not in judged]
     if not judged:
-        return Prospect(stage, "no joint moves enough", silent=silent)
+        hidden = hidden_by_gaps(recording) if stage == "servo" else ""
+        return Prospect(stage, hidden or "no joint moves enough", silent=silent)
     seen = [kind.id for kind in usable(context)]
     return Prospect(stage, "", judged, silent, seen, _unseen(context, seen))
 

@@ -12,12 +12,12 @@ from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.data.motion_content import MOVED, STANDS, comes_back, is_wide, passed, turned
 from trunk_ros.diagnosis.data.repeated_readings import new_readings
 from trunk_ros.diagnosis.data.span import Span
-from trunk_ros.diagnosis.levels import CERTAIN, ENOUGH, OUTLIERS, ROUGH, SLIGHT
+from trunk_ros.diagnosis.levels import CERTAIN, ENOUGH, HALF, OUTLIERS, ROUGH, SLIGHT
 from trunk_ros.errors import RecordingError
 from trunk_ros.recording.recording import JointSeries, Recording
 from trunk_ros.recording.signal.encoder import between_counts, counts, noises
 from trunk_ros.recording.signal.fill import hold
-from trunk_ros.recording.signal.gaps import in_gaps, unseen, usual
+from trunk_ros.recording.signal.gaps import in_gaps, late, unseen, usual
 from trunk_ros.recording.signal.resample import (
     LONGEST_GAP,
     SAME,
@@ -34,6 +34,7 @@ from trunk_ros.start import TURNS
 FORGETS = 0.5  # s without gearbox angles in which a joint may have turned unseen
 UNSEEN = 1e-5  # rad that a joint may have gone on before it turned, in a gap, that do not count
 SETTLING = 0.3  # s in which a servo forgets how it began
+RESPONDS = SETTLING / 6  # s in which it has gone most of the way to where it was sent
 BANDS = 4.0  # dead bands that a joint has to move until it is known where in its play it is
 
 
@@ -142,7 +143,8 @@ def servo_span(recording: Recording, model: ArmModel) -> Span:
     source = hold(asked.position)[held]
     measured = gearbox.position[kept]
     arm = model.for_joints(joints).arm.only(joints)
-    unsettled, anew = _after_gaps(setpoints, grid, in_gaps(gearbox, grid), arm.v_max)
+    small = np.maximum(noises(gearbox) / 2, UNSEEN)
+    unsettled, anew = _after_gaps(setpoints, grid, in_gaps(gearbox, grid), arm.v_max, small)
     unsettled |= grid < grid[0] + SETTLING
     valid = np.isfinite(measured) & ~unsettled[rows][:, None]
     phi, velocity = resample(gearbox, grid)
@@ -168,16 +170,17 @@ def common_joints(recording: Recording, model: ArmModel, *series: JointSeries) -
 
 
 def _after_gaps(
-    setpoints: JointSeries, grid: Array, lost: np.ndarray, v_max: float | Array
+    setpoints: JointSeries, grid: Array, lost: np.ndarray, v_max: float | Array, small: Array
 ) -> tuple[np.ndarray, Array]:
     """(m,): where setpoints may have been lost, and until the servo has caught up with those after; and (k,)
     s when it begins anew after a long gap: once those before it act no more, where some gearbox angle is not
-    ``lost`` (m, joints).
+    ``lost`` (m, joints). What may have been missed in a gap and takes no servo further than ``small``
+    (joints,) rad does not count.
     """
     stamp, position = setpoints.stamp, hold(setpoints.position)
     out, anew, seen = np.zeros(len(grid), dtype=bool), [], grid[~np.all(lost, axis=1)]
     longest = 1.5 * float(np.median(np.diff(stamp))) if len(stamp) > 1 else LONGEST_GAP
-    for k in np.flatnonzero(np.diff(stamp) > longest):
+    for k in np.setdiff1d(np.flatnonzero(np.diff(stamp) > longest), _harmless(setpoints, small)):
         catching_up = 2.0 * float((np.abs(position[k + 1] - position[k]) / v_max).max())
         until = stamp[k + 1] + SETTLING + catching_up
         if stamp[k + 1] - stamp[k] > SETTLING:
@@ -186,6 +189,32 @@ def _after_gaps(
             until = max(until, after[0] + SETTLING) if len(after) else np.inf
         out[slice(*np.searchsorted(grid, (stamp[k] + longest / 2, until)))] = True
     return out, np.unique(anew)
+
+
+def hidden_by_gaps(recording: Recording) -> str:
+    """What is said of a recording most of which follows lost setpoints; "" of any other."""
+    setpoints, gearbox = recording.series.get("setpoints"), recording.series.get("gearbox_states")
+    if setpoints is None or gearbox is None:
+        return ""
+    joints = tuple(joint for joint in setpoints.joints if joint in gearbox.joints)
+    setpoints, small = setpoints.select(joints), np.maximum(noises(gearbox.select(joints)) / 2, UNSEEN)
+    wide = np.flatnonzero(np.diff(setpoints.stamp) > usual(setpoints.stamp))
+    times = len(np.setdiff1d(wide, _harmless(setpoints, small)))
+    if times * SETTLING < HALF * recording.duration:
+        return ""
+    return (
+        f"setpoints are missing {times} times, and the {SETTLING:g} s after each, in which it is unknown "
+        "what the servos follow, leave too little: record all of them"
+    )
+
+
+def _harmless(setpoints: JointSeries, small: Array) -> np.ndarray:
+    """(k,) samples after which the next comes late, yet too soon for a servo to go further than ``small``
+    (joints,) rad by anything that was missed.
+    """
+    seen = late(setpoints)
+    share = np.diff(setpoints.stamp)[seen.after] / RESPONDS
+    return np.asarray(seen.after[(share <= 1.0) & np.all(share[:, None] * seen.off <= small, axis=1)])
 
 
 def _counted(u: Array, rows: np.ndarray, start: tuple[np.ndarray, ...], least: Array) -> np.ndarray:

@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 from scipy.interpolate import CubicHermiteSpline
 
 from trunk_ros.recording.recording import Floats, JointSeries
-from trunk_ros.recording.signal.fill import fill
+from trunk_ros.recording.signal.fill import fill, hold
 from trunk_ros.recording.signal.resample import SAME, longest_gap
 
 GAP = 1.5  # usual times between samples
 LONGEST = 600.0  # s that are filled at most, whoever asks: a grid never spans a hole
 REGULAR = 0.7  # share of the samples that come in time where others may have been lost one by one
+ALONE = 0.25  # share of what is missing that a step may be longer than one alone, and still be that one
 STEADY = 0.9  # share of the samples that come in time where a topic is published at a rate
 
 
@@ -32,6 +35,40 @@ def gaps(stamp: Floats, longest: float = np.inf) -> np.ndarray:
     wide = between > GAP * float(np.median(between))
     steady = float(np.mean(~wide)) >= STEADY
     return np.flatnonzero(wide & (between <= longest) & steady)
+
+
+@dataclass(frozen=True)
+class Late:
+    """Samples ``after`` (k,) which the next comes late, as in ``gaps``: others are missing between, or their
+    sender was ``held`` up (k,), as far as the course tells, and went on where it was.
+
+    ``off`` (k, joints): how far the course may have been from what that says of it.
+    """
+
+    after: np.ndarray
+    held: np.ndarray
+    off: Floats
+
+
+def late(series: JointSeries) -> Late:
+    """What the steps before and after each gap say of the one over it: it is as long as they are where
+    nothing is missing, and as many times as long as its time where others are.
+    """
+    between, steps = np.diff(series.stamp), np.diff(hold(series.position), axis=0)
+    usual = float(np.median(between)) if len(between) else np.inf
+    wide, due = between > GAP * usual, np.flatnonzero(between <= GAP * usual)
+    after = np.flatnonzero(wide)
+    if not len(due):
+        return Late(after, np.zeros(len(after), dtype=bool), np.full((len(after), steps.shape[1]), np.inf))
+    place = np.searchsorted(due, after)
+    before, behind = (steps[due[np.clip(place + k, 0, len(due) - 1)]] for k in (-1, 0))
+    usually, times = (before + behind) / 2.0, (between[after] / usual)[:, None]
+    alone, among = np.abs(steps[after] - usually), np.abs(steps[after] - times * usually)
+    more = np.abs((times - 1.0) * usually).sum(axis=1)
+    held = alone.sum(axis=1) < ALONE * more
+    bends = np.abs(before - behind) / 2.0
+    off = np.where(held[:, None], alone + bends, among + times * bends)
+    return Late(after, held, off)
 
 
 def in_gaps(series: JointSeries, grid: Floats) -> np.ndarray:
@@ -72,10 +109,13 @@ def missing(stamp: Floats, longest: float = np.inf, end: float = -np.inf) -> Flo
 def bridged(series: JointSeries, guide: JointSeries | None = None, longest: float = np.inf) -> JointSeries:
     """The series with samples in its gaps of at most ``longest`` s.
 
-    They move as the guide does, which has the same joints, brought to what is known on both sides, and on to
-    its end; without a guide smoothly, with the speeds of both sides.
+    None where their sender was held up. They move as the guide does, which has the same joints, brought to
+    what is known on both sides, and on to its end; without a guide smoothly, with the speeds of both sides.
     """
     added = missing(series.stamp, longest, -np.inf if guide is None else float(guide.stamp[-1]))
+    seen = late(series)
+    place = np.searchsorted(series.stamp, added) - 1
+    added = added[~np.isin(place, seen.after[seen.held])]
     if not len(added):
         return series
     known = fill(series.position)
