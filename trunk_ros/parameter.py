@@ -35,6 +35,8 @@ class Parameter:
     """A mass at the tip [kg], which all joints feel."""
     stated: str = ""
     """The name under which the arm's description may state it for each joint."""
+    slide: str = ""
+    """Its unit where a joint's position is in m, of what does not follow from ``unit``: a phase stays one."""
     moment: bool = False
     """A time at which something happens: a fit sees only what lies next to it, so it is looked for."""
 

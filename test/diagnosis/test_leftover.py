@@ -3,15 +3,20 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from test.diagnosis.search.looks import fitted
+from trunk_ros.diagnosis import diagnose
 from trunk_ros.diagnosis.data.motion_content import PLACES
 from trunk_ros.diagnosis.evidence.residual_dependence import accounted, goes_on
 from trunk_ros.diagnosis.levels import SLIGHT
 from trunk_ros.diagnosis.verdict.findings import _unexplained, left_over
+from trunk_ros.model import load_model
+from trunk_ros.recording.recording import JointSeries, Recording
+from trunk_ros.servo_course import servo_course
 
 
 @pytest.mark.parametrize("count", [20 * PLACES, 600, 6000])
@@ -57,6 +62,21 @@ def test_what_is_left_of_a_large_misfit_is_not_said_as_none_of_it() -> None:
         "elbow (wire): less than 0.1% of the residual's power, 14 times the noise, stays unexplained"
     )
     assert "0.1% of the" in _unexplained("wire", [], [("elbow", 1e-3, 14.0)]).statement
+
+
+def test_of_a_servo_whose_loop_was_found_first_the_rest_is_a_share_of_what_that_leaves() -> None:
+    t = np.arange(0.0, 20.0, 0.01)
+    asked = JointSeries(t, ("wrist",), np.sin(t)[:, None])
+    wanders = 0.02 * np.sin(9.0 * t + 3.0 * np.sin(1.7 * t))
+    wanders += np.random.default_rng(0).normal(0.0, 1e-4, len(t))
+    went = servo_course(asked, t, load_model("direct").for_joints(("wrist",)))
+    series = {"setpoints": asked, "gearbox_states": replace(went, position=went.position + wanders[:, None])}
+    told = diagnose([Recording("made", 0, 20.0, series)], model="direct", experiments=False)
+    (rest,) = told.unexplained
+    assert "% of what the loop that was found first leaves, " in rest.statement
+    stated = replace(told.model, effects={})
+    again = diagnose([Recording("made", 0, 20.0, series)], model=stated, experiments=False)
+    assert "% of the residual's power, " in again.unexplained[0].statement
 
 
 def test_what_is_left_is_said_with_its_stage_and_size() -> None:

@@ -28,6 +28,8 @@ from trunk_ros.evaluate.table import show
         (0.0, 0.0004, "1", "0 ± 0.0004"),
         (0.029994, 2.6e-5, "rad", "0.029994 ± 2.6e-05 rad"),
         (0.0, None, "m", "0 m"),
+        (-0.002, 15.0, "m", "not determined"),
+        (2.0, 15.0, "rad", "2 ± 15 rad"),
     ],
 )
 def test_a_value_that_is_far_less_than_its_spread_is_not_told(

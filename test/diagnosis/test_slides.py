@@ -37,6 +37,10 @@ def test_the_ripple_of_a_lead_screw_is_found() -> None:
     assert finding.effect == "transmission_ripple"
     assert said["amplitude"] == pytest.approx(2e-5, rel=0.02)
     assert said["cycles_per_rev"] == pytest.approx(2 * np.pi / 5e-3, rel=1e-3)
+    units = {name: told["unit"] for name, told in finding.parameters["joint_1"].items()}
+    assert units["amplitude"] == "m"
+    assert units["phase"] == "rad"
+    assert units["cycles_per_rev"] == "1/(2 pi m)"
 
 
 def test_a_slide_with_nothing_missing_has_no_finding() -> None:

@@ -158,7 +158,7 @@ class Diagnoser:
         if (other is not None and not other.has_servo) or not (recorded := self._driven()):
             return
         self.say("servo")
-        self.model = self._with_servos(recorded)
+        before, self.model = self.model, self._with_servos(recorded)
         spans = [servo_span(r, self.model) for r in recorded]
         if other is not None:
             spans = [shifted(s, other.context("servo", r)) for s, r in zip(spans, recorded, strict=True)]
@@ -166,7 +166,7 @@ class Diagnoser:
         filled = how_far_off(recorded, self.joints)
         del recorded
         with aside(self.size, self.recordings, self.wires):
-            self._stage(ServoStage(spans, found, self.units, filled))
+            self._stage(ServoStage(spans, found, self.units, filled, self.model.arm is not before.arm))
             spans.clear()
 
     def found_servos(self) -> Servos:

@@ -23,6 +23,8 @@ from trunk_ros.look import slope_of
 from trunk_ros.model import Model
 from trunk_ros.passes import Passes
 
+LEFT_BY_LOOP = "what the loop that was found first leaves"
+
 
 class ServoStage(Stage):
     """Setpoint to gearbox angle."""
@@ -37,10 +39,14 @@ class ServoStage(Stage):
         model: Model,
         units: dict[str, str] | None = None,
         filled: Array | None = None,
+        loop_found: bool = False,
     ):
-        """``filled``: by how much (joints,) rad rms setpoints are off that nobody recorded."""
+        """``filled``: by how much (joints,) rad rms setpoints are off that nobody recorded. ``loop_found``:
+        the model's servos were found in these spans beforehand.
+        """
         super().__init__(spans, model, units)
         self.filled = np.zeros(len(self.joints)) if filled is None else filled
+        self.whole = LEFT_BY_LOOP if loop_found else self.whole
 
     def _view(self, span: Span) -> View:
         """The joints are where their wires take them, not just where the gearboxes are."""

@@ -58,6 +58,8 @@ class Stage(ABC):
     name: str
     joint_by_joint = True
     """Only hypotheses of the same joint are computed together."""
+    whole: str = "the residual's power"
+    """What that is of which the unexplained residual is a share."""
     ahead: float = 0.0
     """By how much [s] its own steps are ahead of what goes on between them."""
 

@@ -3,6 +3,7 @@
 import numpy as np
 
 from trunk_ros.compiled import Array
+from trunk_ros.cubic import cubic
 
 CELLS = 8.0  # per shortest period
 MOST = 1000  # cells per value: in wider ranges a line cannot be told from its neighbours
@@ -43,8 +44,8 @@ def periods(x: Array, rest: Array, low: float, high: float, most: int = 3) -> tu
     if not 0.0 < np.ptp(x) < MOST * len(x) * cell or not np.any(rest):
         return ()
     some = slice(None, None, max(len(x) // ENOUGH, 1))
-    bent = np.polynomial.Polynomial.fit(x[some], rest[some], 3)
-    sums = np.bincount(((x - x.min()) / cell).astype(int), weights=rest - bent(x))
+    bent = cubic(x[some], rest[some], x)
+    sums = np.bincount(((x - x.min()) / cell).astype(int), weights=rest - bent)
     turn = 2 * np.pi / (FINER * len(sums) * cell)
     power = np.abs(np.fft.rfft(sums, FINER * len(sums)))
     power[: int(low / turn + SAME) + 1] = power[int(np.ceil(high / turn - SAME)) :] = 0.0

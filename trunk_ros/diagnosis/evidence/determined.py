@@ -11,7 +11,7 @@ from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.hypothesis import Free, bounds
 from trunk_ros.diagnosis.levels import NEARLY, ROUGH
 from trunk_ros.diagnosis.search.fit import Fit, Residuals, groups
-from trunk_ros.diagnosis.verdict.units import unit_of
+from trunk_ros.diagnosis.verdict.units import unit_on
 from trunk_ros.effects import effect
 from trunk_ros.effects.bank import Bank
 from trunk_ros.effects.curve import Curve
@@ -125,4 +125,4 @@ def _place(context: Context, f: Free) -> Place:
 def _unit(context: Context, f: Free) -> str:
     if f.column is None:
         return f.parameter.unit
-    return unit_of(f.parameter.unit, context.stage.unit(f.column))
+    return unit_on(f.parameter, context.stage.unit(f.column))

@@ -9,6 +9,7 @@ from functools import partial
 import numpy as np
 
 from trunk_ros.compiled import Array
+from trunk_ros.cubic import DEGREE, cubic
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term, bind_column
 from trunk_ros.diagnosis.levels import HARDLY, PART, SEVERAL, SURE, TOGETHER
@@ -18,7 +19,6 @@ from trunk_ros.effects.lasting import shown_between
 from trunk_ros.effects.moments import LASTING, RISE
 from trunk_ros.parameter import GROWN
 
-CUBIC = 3  # degree of a course of time: with its two ends as many values as a push has
 BY_THE_WAY = ("reversal", "low_speed", "high_speed", "hold")  # regimes of what acts by how a joint moves
 
 
@@ -115,11 +115,13 @@ def _moves(signal: Array, part: np.ndarray) -> tuple[bool]:
 
 
 def _winds(stamp: Array, signal: Array, part: np.ndarray) -> bool:
-    """Whether a signal (n,) at ``stamp`` (n,) s is in some rows of it more than a smooth course of time."""
-    if len(part) <= CUBIC + 1 or np.ptp(signal) == 0.0:
+    """Whether a signal (n,) at ``stamp`` (n,) s is in some rows of it more than a smooth course of time,
+    which has with its two ends as many values as a push.
+    """
+    if len(part) <= DEGREE + 1 or np.ptp(signal) == 0.0:
         return False
-    smooth = np.polynomial.Polynomial.fit(stamp[part], signal[part], CUBIC)
-    return bool(np.ptp(signal[part] - smooth(stamp[part])) > PART * np.ptp(signal))
+    smooth = cubic(stamp[part], signal[part], stamp[part])
+    return bool(np.ptp(signal[part] - smooth) > PART * np.ptp(signal))
 
 
 def _ways(signal: Array, part: np.ndarray) -> tuple[bool, bool]:

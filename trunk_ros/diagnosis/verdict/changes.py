@@ -16,7 +16,7 @@ from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
 from trunk_ros.diagnosis.levels import ROUGH, SURE
 from trunk_ros.diagnosis.verdict.finding import Finding, evidence_of
 from trunk_ros.diagnosis.verdict.findings import ARM, VARIES_WITH, unchanged, value_of
-from trunk_ros.diagnosis.verdict.units import sized, unit_of
+from trunk_ros.diagnosis.verdict.units import sized, unit_on
 from trunk_ros.effects import Effect, confused, effect
 from trunk_ros.effects.bank import Bank
 from trunk_ros.parameter import Parameter
@@ -161,7 +161,7 @@ def _values(
     joint = "rad" if column is None else context.stage.unit(column)
     gains = _gains(known, now, column)
     for source, (gain, was, there) in gains.items():
-        unit = unit_of(gain.unit, joint)
+        unit = unit_on(gain, joint)
         yield Value(gain, f"of {source} ", was, there, std.get((name, gain.name, column)), unit, True)
     form, both = (now or known).form, now is not None and all(_on(term, column) for term in (known, now))
     for p in kind.used(form):
@@ -172,7 +172,7 @@ def _values(
             theirs, seen = (values.get(p.name, p.null) for values in (old, new))
             label = "" if size else f"{p.name}: "
             spread = std.get((name, p.name, column), std.get((name, p.name, None)))
-            yield Value(p, label, theirs, seen, spread, unit_of(p.unit, joint), size)
+            yield Value(p, label, theirs, seen, spread, unit_on(p, joint), size)
 
 
 def _of(term: Term | None, column: int | None) -> dict[str, float]:

@@ -9,7 +9,7 @@ import numpy as np
 
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.hypothesis import Term
-from trunk_ros.diagnosis.verdict.units import unit_of
+from trunk_ros.diagnosis.verdict.units import unit_of, unit_on
 from trunk_ros.effects.curve import HIGH, KNOTS, LOW, ON, SPEED_OF, VALUES, Curve, words_of
 from trunk_ros.effects.wire.unknown_cycle import UnknownCycle
 from trunk_ros.effects.wire.unknown_jumps import MOMENTS, UnknownJumps
@@ -75,7 +75,7 @@ def told(context: Context, kind: type[Curve], term: Term) -> dict[str, Any]:
         "on": variable,
         "of": kind.of,
         "x_unit": {"time": "s", "load": unit_of("N*m", own)}.get(variable, over + slope),
-        "y_unit": unit_of(kind.parameter(VALUES[0].name).unit, own),
+        "y_unit": unit_on(kind.parameter(VALUES[0].name), own),
         "joints": {context.joints[c]: _points(kind, term.own[c]) for c in term.columns},
     }
 

@@ -16,16 +16,17 @@ from trunk_ros.diagnosis.evidence.residual_dependence import depends_on, rests
 from trunk_ros.diagnosis.evidence.spreads import Spreads
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
 from trunk_ros.diagnosis.levels import LITTLE, MOST, ROUGH, SLIGHT, SURE
+from trunk_ros.diagnosis.stage import Stage
 from trunk_ros.diagnosis.verdict import bank_words, curve_words
 from trunk_ros.diagnosis.verdict.answer import Unexplained
 from trunk_ros.diagnosis.verdict.finding import UNKNOWN, Finding, evidence_of
-from trunk_ros.diagnosis.verdict.units import as_read, is_open, unit_of
+from trunk_ros.diagnosis.verdict.units import as_read, is_open, unit_on
 from trunk_ros.diagnosis.words import significant
 from trunk_ros.effects import Effect, effect
 from trunk_ros.effects.bank import Bank
 from trunk_ros.effects.curve import Curve, words_of
 from trunk_ros.guards import TINY
-from trunk_ros.parameter import leading
+from trunk_ros.parameter import Parameter, leading
 
 VARIES_WITH: dict[str, list[str]] = {
     "always": [],
@@ -140,11 +141,11 @@ def _parameters(
     for p in kind.used(term.form):
         if p.name in term.shared:
             out.setdefault(ARM, {})[p.name] = value_of(
-                term.shared[p.name], std.get((term.effect, p.name, None)), p.unit
+                term.shared[p.name], std.get((term.effect, p.name, None)), _shared_unit(context, p, term)
             )
         for c in term.columns:
             if p.name in term.own[c]:
-                unit = unit_of(p.unit, context.stage.unit(c))
+                unit = unit_on(p, context.stage.unit(c))
                 value, spread = term.own[c][p.name], std.get((term.effect, p.name, c))
                 if spread is None or p.scale == "linear" or spread < value:  # else it is out of reach
                     out.setdefault(context.joints[c], {})[p.name] = value_of(value, spread, unit)
@@ -152,6 +153,12 @@ def _parameters(
         for text, word in words.items():
             out.setdefault(context.joints[c], {})[text] = {"value": word, "std": None, "unit": ""}
     return out
+
+
+def _shared_unit(context: Context, parameter: Parameter, term: Term) -> str:
+    """The unit of what all joints share: theirs, where they have one."""
+    units = {context.stage.unit(c) for c in term.columns}
+    return unit_on(parameter, units.pop()) if len(units) == 1 else parameter.unit
 
 
 def value_of(value: float, std: float | None, unit: str) -> dict[str, Any]:
@@ -180,12 +187,15 @@ def left_over(context: Context, hypothesis: Hypothesis) -> list[Unexplained]:
             continue
         size = float("nan") if is_none(context.noise[column].std) else float(np.sqrt(power))
         found.setdefault(tuple(varies), []).append((context.joints[column], share, size))
-    return [_unexplained(context.stage.name, list(varies), each) for varies, each in found.items()]
+    stage = context.stage
+    return [_unexplained(stage.name, list(varies), each, stage.whole) for varies, each in found.items()]
 
 
-def _unexplained(stage: str, varies: list[str], each: list[tuple[str, float, float]]) -> Unexplained:
-    """What is left on joints, with its share of their residual's power, and its size over the noise, NaN
-    where there is none.
+def _unexplained(
+    stage: str, varies: list[str], each: list[tuple[str, float, float]], whole: str = Stage.whole
+) -> Unexplained:
+    """What is left on joints, with its share of the ``whole``, and its size over the noise, NaN where there
+    is none.
     """
     joints, shares, sizes = (list(column) for column in zip(*each, strict=True))
     regime = curve_words.REGIME_OF.get(varies[0], "posture") if varies else "always"
@@ -193,7 +203,7 @@ def _unexplained(stage: str, varies: list[str], each: list[tuple[str, float, flo
     known = [size for size in sizes if size == size]
     times = f" {significant(max(known), 2)} times the noise," if known else ""
     part = f"{max(shares):.1%}" if max(shares) >= ROUGH else f"less than {ROUGH:.1%}"
-    size = f"{part} of the residual's power,{times}"
+    size = f"{part} of {whole},{times}"
     statement = f"{', '.join(joints)} ({stage}): {size} stays unexplained{on}."
     return Unexplained(stage, joints, regime, max(shares), varies, statement)
 

@@ -7,15 +7,23 @@ from math import floor, log10
 from typing import Any
 
 from trunk_ros.diagnosis.levels import TENFOLD
+from trunk_ros.parameter import Parameter
 
 SMALL = {"rad": (1e3, "mrad"), "m": (1e3, "mm"), "s": (1e3, "ms")}
 
 
 def unit_of(unit: str, joint: str) -> str:
-    """A parameter's unit on a joint whose position is in the unit ``joint``: on a slide moments are
+    """A unit on a joint whose position is in the unit ``joint``: on a slide moments are
     forces.
     """
     return unit if joint == "rad" else unit.replace("rad", joint).replace("(N*m)", "N").replace("N*m", "N")
+
+
+def unit_on(parameter: Parameter, joint: str) -> str:
+    """A unit on a joint whose position is in the unit ``joint``."""
+    if joint == "rad" or not parameter.slide:
+        return unit_of(parameter.unit, joint)
+    return parameter.slide if joint == "m" else parameter.slide.replace(" m", "")
 
 
 def sized(value: float, unit: str, digits: int = 3) -> str:
@@ -51,11 +59,12 @@ def as_read(value: Mapping[str, Any]) -> str:
 
 
 UNTOLD = "not determined"
+ANYWHERE = 1.0  # rad or m: who knows a joint no better than that knows nothing of it
 
 
 def is_open(value: Mapping[str, Any]) -> bool:
     """Whether a spread is many times a parameter: these data do not determine it. Of angles and lengths zero
-    is a place like any other.
+    is a place like any other, unless they may be anywhere.
     """
-    size = abs(value["value"]) if isinstance(value["value"], float) else 0.0
-    return 0.0 < TENFOLD * size < (value["std"] or 0.0) and value["unit"] not in ("rad", "m")
+    size, std = abs(value["value"]) if isinstance(value["value"], float) else 0.0, value["std"] or 0.0
+    return 0.0 < TENFOLD * size < std and (value["unit"] not in ("rad", "m") or std > ANYWHERE)

@@ -33,6 +33,7 @@ class Cogging(Effect):
             typical=24.0,
             null=24.0,
             shared=True,
+            slide="1/(2 pi m)",
         ),
         Parameter(
             "phase",
@@ -41,6 +42,7 @@ class Cogging(Effect):
             "phase at motor-side angle 0",
             typical=1.0,
             scan=(0.0, 1.571, 3.142, 4.712),
+            slide="rad",
         ),
     )
     everywhere = begins = True

@@ -38,6 +38,7 @@ class TransmissionRipple(Effect):
             "periods per turn of the gearbox shaft",
             typical=12.0,
             null=12.0,
+            slide="1/(2 pi m)",
         ),
         Parameter(
             "phase",
@@ -46,6 +47,7 @@ class TransmissionRipple(Effect):
             "phase at motor-side angle 0",
             typical=1.0,
             scan=(0.0, 0.785, 1.571, 2.356),
+            slide="rad",
         ),
         Parameter("harmonic", "1", (-2.0, 2.0), "size of the second wave over amplitude", typical=0.2),
         Parameter(
@@ -55,6 +57,7 @@ class TransmissionRipple(Effect):
             "phase of it at motor-side angle 0",
             typical=1.0,
             scan=(0.0, 1.571),
+            slide="rad",
         ),
         Parameter(
             "cycles_per_rev_2",
@@ -63,6 +66,7 @@ class TransmissionRipple(Effect):
             "periods of it per turn, where they are not twice the first ones",
             typical=31.0,
             null=31.0,
+            slide="1/(2 pi m)",
         ),
     )
     forms = ("sine", "two_harmonics", "two_orders")

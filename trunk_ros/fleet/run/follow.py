@@ -19,7 +19,7 @@ from trunk_ros.diagnosis.nominal_servo import Servos
 from trunk_ros.diagnosis.search.fit import Fit, refit
 from trunk_ros.diagnosis.servo import ServoStage
 from trunk_ros.diagnosis.stage import Stage
-from trunk_ros.diagnosis.verdict.units import unit_of
+from trunk_ros.diagnosis.verdict.units import unit_on
 from trunk_ros.diagnosis.wire import WireStage
 from trunk_ros.effects import effect
 from trunk_ros.fleet.inputs.files import here
@@ -85,6 +85,6 @@ def _values(now: Fit, std: Spreads, wanted: set[str]) -> Iterator[dict[str, Any]
         unit = "rad" if column is None else stage.units.get(joint, "rad")
         yield {
             "stage": stage.name, "joint": joint, "effect": name, "parameter": parameter,
-            "value": float(values[parameter]), "std": float(spread), "unit": unit_of(declared.unit, unit),
+            "value": float(values[parameter]), "std": float(spread), "unit": unit_on(declared, unit),
             "confidence": 1.0, "word": None, "form": term.form, "equivalents": [],
         }  # fmt: skip
