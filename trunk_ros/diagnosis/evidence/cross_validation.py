@@ -14,6 +14,7 @@ from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.discrepancy.bank_weights import FOLDS
 from trunk_ros.diagnosis.discrepancy.curves import redrawn
 from trunk_ros.diagnosis.discrepancy.memory import redrawn_banks, without_banks
+from trunk_ros.diagnosis.evidence.at_rest import honest
 from trunk_ros.diagnosis.free_run import free_run
 from trunk_ros.diagnosis.hypothesis import Hypothesis
 from trunk_ros.diagnosis.search.fit import Fit, refit
@@ -78,7 +79,8 @@ def held_out(state: Fit) -> dict[int, Error]:
     nominal = free_run(context.seen_with(context.known), context.known)
     every = {c: _cuts(context, _errors(nominal, context.known, c), c) for c in context.columns}
     before = {c: list(chain.from_iterable(blocks)) for c, blocks in every.items()}
-    noise = {c: context.noise[c].std for c in context.columns}
+    floors = honest(context, state.hypothesis).noise
+    noise = {c: floors[c].std for c in context.columns}
     if len(context.views) == 1:
         return {c: Error(*_rms(before[c]), *_rms(after[c]), noise[c], _usual(after[c])) for c in noise}
     new = _between(state)

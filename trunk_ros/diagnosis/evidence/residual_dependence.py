@@ -9,6 +9,7 @@ from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.data.motion_content import PLACES
 from trunk_ros.diagnosis.discrepancy.curves import variables
 from trunk_ros.diagnosis.discrepancy.spectrum import spectrum
+from trunk_ros.diagnosis.evidence.at_rest import honest
 from trunk_ros.diagnosis.hypothesis import Hypothesis
 from trunk_ros.diagnosis.levels import HALF, PART, SLIGHT, SURE
 from trunk_ros.diagnosis.search.formed import off_by
@@ -20,6 +21,7 @@ def rests(context: Context, hypothesis: Hypothesis) -> dict[int, float]:
     """Columns whose residual is above the noise, and what the model's own laws may be off by: power over the
     noise's, less one.
     """
+    context = honest(context, hypothesis)
     power = {c: _power(context, hypothesis, c) for c in context.columns}
     least = {c: max(context.rest(c), off_by(context, c) / context.count(c)) for c in power}
     return {c: p for c, p in power.items() if p > least[c] and _coherent(context, hypothesis, c)}
