@@ -132,11 +132,14 @@ def servo_joints(recording: Recording, model: ArmModel) -> tuple[str, ...]:
 
 def servo_span(recording: Recording, model: ArmModel) -> Span:
     """Setpoints against gearbox angles. Lost setpoints are bridged, and what servos did while nobody recorded
-    theirs for long is not known: after that they begin anew as they are read.
+    theirs for long is not known: after that they begin anew as they are read. A joint without any counts
+    nowhere.
     """
     setpoints, gearbox = recording.require("setpoints"), recording.require("gearbox_states")
     joints = servo_joints(recording, model)
-    setpoints, gearbox = given(setpoints.select(joints), model), gearbox.select(joints)
+    setpoints, gearbox = setpoints.select(joints), gearbox.select(joints)
+    told = np.isfinite(setpoints.position).any(axis=0)
+    setpoints = given(setpoints, model)
     asked = all_setpoints(recording, joints, model) or setpoints
     grid, rows, kept = joint_grid(asked.stamp, gearbox.stamp, fine=False)
     held = np.clip(np.searchsorted(asked.stamp, grid + SAME, side="right") - 1, 0, None)
@@ -146,7 +149,7 @@ def servo_span(recording: Recording, model: ArmModel) -> Span:
     small = np.maximum(noises(gearbox) / 2, UNSEEN)
     unsettled, anew = _after_gaps(setpoints, grid, in_gaps(gearbox, grid), arm.v_max, small)
     unsettled |= grid < grid[0] + SETTLING
-    valid = np.isfinite(measured) & ~unsettled[rows][:, None]
+    valid = np.isfinite(measured) & told & ~unsettled[rows][:, None]
     phi, velocity = resample(gearbox, grid)
     target = np.where(valid, measured, 0.0)
     unknown = (np.empty(0, dtype=int),) * len(joints)

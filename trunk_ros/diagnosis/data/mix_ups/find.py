@@ -13,6 +13,7 @@ from trunk_ros.diagnosis.data.mix_ups.guided import guided
 from trunk_ros.diagnosis.data.mix_ups.order import swapped, turned_signs
 from trunk_ros.diagnosis.data.mix_ups.pair import MixUp, pair_of
 from trunk_ros.diagnosis.data.mix_ups.units import counts, degrees, exchanged
+from trunk_ros.diagnosis.data.mix_ups.unled import unled
 from trunk_ros.diagnosis.data.span import Span
 from trunk_ros.diagnosis.levels import FEWEST
 from trunk_ros.errors import RecordingError
@@ -35,22 +36,29 @@ def mix_ups(recording: Recording, model: Model) -> list[MixUp]:
 
 
 def without_mix_ups(recording: Recording, found: list[MixUp]) -> Recording:
-    """The recording without what is mixed up for certain: setpoints that do not fit the motors are left out;
-    joint readings that do not become NaN, and the tip is left out with them, and the setpoints where a hand
-    guides joints: their motors follow the hand.
+    """The recording without what is mixed up for certain: setpoints that do not fit the motors are left out,
+    and become NaN where motors do not follow them; joint readings that do not fit become NaN, and the tip is
+    left out with them, and the setpoints where a hand guides joints: their motors follow the hand.
     """
     series, tip = dict(recording.series), recording.tip
     for one in (one for one in found if one.certain):
+        if one.kind == "unled":
+            series["setpoints"] = _unread(series["setpoints"], one.joints)
+            continue
         if one.stage == "servo":
             series.pop("setpoints", None)
             continue
         if one.kind == "guided":
             series.pop("setpoints", None)
-        shown, tip = series["joint_states"], None
-        position = shown.position.copy()
-        position[:, [shown.joints.index(joint) for joint in one.joints]] = np.nan
-        series["joint_states"] = replace(shown, position=position)
+        series["joint_states"], tip = _unread(series["joint_states"], one.joints), None
     return replace(recording, series=series, tip=tip)
+
+
+def _unread(series: JointSeries, joints: tuple[str, ...]) -> JointSeries:
+    """With NaN for some joints."""
+    position = series.position.copy()
+    position[:, [series.joints.index(joint) for joint in joints]] = np.nan
+    return replace(series, position=position)
 
 
 def as_if_standing(span: Span, found: Sequence[MixUp]) -> Span:
@@ -92,10 +100,10 @@ def _of_stage(recording: Recording, model: Model, stage: str) -> list[MixUp]:
     for look in (counts, swapped, degrees, exchanged, turned_signs):
         known = {joint for one in found for joint in one.joints}
         found += [one for one in look(pair) if not known & set(one.joints)]
-    if found or stage != "wire":
+    if found:
         return found
     course = pair_of(recording, model, stage, source, target, in_a_row=True)
-    return [] if course is None else guided(course)
+    return [] if course is None else [*guided(course), *unled(course)]
 
 
 def _is_read(series: JointSeries, joint: str) -> bool:
