@@ -91,6 +91,8 @@ class Declaration:
         return f"{low:g} to {high:g} {self.unit}".strip()
 
 
+ANY = (-1e6, 1e6)
+"""Bounds of what has no usual size: of a curve, as far as whatever it describes goes."""
 LOADED = 0.1
 """N m: for joints that bear so much the usual sizes are told."""
 NEVER = 1e6

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -10,14 +11,15 @@ import pytest
 from test.diagnosis.arms import SHORT, TRUNK, diagnose, of_the_servos, of_the_wires, recorded, reshaped
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis import Diagnosis
-from trunk_ros.diagnosis.discrepancy.curves import smoothed
+from trunk_ros.diagnosis.discrepancy.curves import Place, smoothed, with_curve
 from trunk_ros.diagnosis.discrepancy.jumps import jumps, moved_by, turns_of
 from trunk_ros.diagnosis.discrepancy.spectrum import spectrum
+from trunk_ros.diagnosis.hypothesis import Hypothesis
 from trunk_ros.diagnosis.report import render
 from trunk_ros.effects.curve import KNOTS, VALUES
 from trunk_ros.effects.effect import Now
 from trunk_ros.effects.wire.unknown import Unknown
-from trunk_ros.model import Model
+from trunk_ros.model import Model, load_model, save_model
 
 NOISE = np.random.default_rng(5)
 
@@ -184,3 +186,13 @@ def test_where_a_joint_stands_at_its_turn_it_turns_as_it_sets_out_again() -> Non
     x = np.concatenate([np.linspace(0, 1, 100), np.ones(50), np.linspace(1, 0, 100)])
     assert turns_of(x, 0.1)[0] in range(148, 162)
     assert not len(turns_of(np.linspace(0.0, 1.0, 500), 0.1))
+
+
+@pytest.mark.parametrize("kind", ["unknown", "unknown_servo", "unknown_gain", "unknown_friction"])
+@pytest.mark.parametrize("most", [90.1, 1e9])
+def test_a_curve_of_any_size_is_read_as_it_was_written(kind: str, most: float, tmp_path: Path) -> None:
+    """One of 11 rad over a joint that swung through 4 had made a model that nothing took."""
+    drawn = with_curve(Hypothesis(), Place(kind, "time", 0.0, 4.0), 1, np.linspace(-11.0, most, KNOTS))
+    model = Model(SHORT.arm, drawn.model_effects(len(SHORT.arm.joints)))
+    save_model(model, tmp_path / "model.yaml")
+    assert load_model(tmp_path / "model.yaml").hash() == model.hash()

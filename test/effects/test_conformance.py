@@ -120,6 +120,17 @@ def test_rest_stays_at_rest(name: str, form: str) -> None:
 
 
 @every_effect
+def test_values_within_bounds_are_so_in_plain_words(name: str, form: str) -> None:
+    """Else a model is written that is not read."""
+    kind, rng = registry()[name], np.random.default_rng(1)
+    own = {p.name: p for p in kind.own_parameters(form)}
+    for _ in range(100):
+        drawn = {n: float(rng.choice([*p.bounds, rng.uniform(*p.bounds)])) for n, p in own.items()}
+        for n, value in kind.plain(drawn).items():
+            assert own[n].bounds[0] <= value <= own[n].bounds[1], n
+
+
+@every_effect
 @settings(max_examples=5, deadline=None)
 @given(data=st.data())
 def test_it_is_finite_over_its_bounds(name: str, form: str, data: Any) -> None:

@@ -15,7 +15,7 @@ from trunk_ros.compiled import Array
 from trunk_ros.effects.effect import Effect, Now, Regime
 from trunk_ros.effects.sources import check_source, others
 from trunk_ros.errors import ModelError
-from trunk_ros.parameter import Parameter
+from trunk_ros.parameter import ANY, Parameter
 
 WEIGHTS = 8  # of each source, where a bank does not say otherwise
 # Of a joint's own motion: what follows it more closely has no inverse that settles. Below it the inverse is
@@ -38,11 +38,11 @@ def parameters_of(
     out: list[Parameter] = []
     for k in range(1, sources + 1):
         out += [
-            Parameter(f"weight_{k}_{i}", "1", (-20.0, 20.0), f"{weight} {i}, source {k}", typical=typical)
+            Parameter(f"weight_{k}_{i}", "1", ANY, f"{weight} {i}, source {k}", typical=typical)
             for i in range(1, weights + 1)
         ]
-        out.append(Parameter(f"low_{k}", "rad", (-1e6, 1e6), f"{low}, source {k}", typical=start, null=start))
-        out.append(Parameter(f"high_{k}", "rad", (-1e6, 1e6), f"{high}, source {k}", typical=0.4, null=0.4))
+        out.append(Parameter(f"low_{k}", "rad", ANY, f"{low}, source {k}", typical=start, null=start))
+        out.append(Parameter(f"high_{k}", "rad", ANY, f"{high}, source {k}", typical=0.4, null=0.4))
     return tuple(out)
 
 

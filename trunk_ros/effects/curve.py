@@ -11,7 +11,7 @@ import numpy as np
 from trunk_ros.compiled import Array, compiled
 from trunk_ros.effects.effect import Effect, Now, Regime
 from trunk_ros.errors import ModelError
-from trunk_ros.parameter import Parameter
+from trunk_ros.parameter import ANY, Parameter
 
 if TYPE_CHECKING:
     from scipy.interpolate import CubicSpline
@@ -30,7 +30,7 @@ RANGE = (
 LOW, HIGH = (p.name for p in RANGE)
 ON = "on"  # the word that says what a curve is over
 VALUES = tuple(
-    Parameter(f"value_{k:02d}", "rad", (-10.0, 10.0), "the curve at an evenly spaced knot", typical=1e-3)
+    Parameter(f"value_{k:02d}", "rad", ANY, "the curve at an evenly spaced knot", typical=1e-3)
     for k in range(KNOTS)
 )
 

@@ -238,7 +238,7 @@ def with_curve(bare: Hypothesis, place: Place, column: int, values: Array) -> Hy
     """The hypothesis with a curve on a column."""
     out, kind = bare.copy(), place.kind
     term = out.setdefault(kind, Term(kind, given=frozenset(p.name for p in effect(kind).parameters)))
-    own = dict(zip((p.name for p in VALUES), values.tolist(), strict=True))
+    own = dict(zip((p.name for p in VALUES), np.clip(values, *VALUES[0].bounds).tolist(), strict=True))
     moments = {p.name: at for p, at in zip(MOMENTS, place.moments, strict=False)}
     term.own[column] = {LOW: place.low, HIGH: place.high, **own, **moments}
     term.words[column] = {ON: place.variable}

@@ -121,11 +121,16 @@ class TransmissionRipple(Effect):
             return out
         side = np.sign(values["amplitude"]) or 1.0
         out = positive({**out, "harmonic": side * values["harmonic"]}, "harmonic", "harmonic_phase")
-        if "cycles_per_rev_2" in out and out["harmonic"] > 1.0:  # the larger wave comes first
+        if "cycles_per_rev_2" in out and out["harmonic"] > 1.0 and cls._may_lead(out):
             size, order, phase, share, phase_2, order_2 = (out[p.name] for p in cls.parameters)
             turned = (size * share, order_2, phase_2, 1.0 / share, phase, order)
             out |= {p.name: value for p, value in zip(cls.parameters, turned, strict=True)}
         return out
+
+    @classmethod
+    def _may_lead(cls, values: dict[str, float]) -> bool:
+        """Whether the second wave, the larger one, may come first."""
+        return values["amplitude"] * values["harmonic"] <= cls.parameters[0].bounds[1]
 
     @classmethod
     def own_parameters(cls, form: str) -> tuple[Parameter, ...]:

@@ -33,9 +33,9 @@ def unled(pair: Pair) -> list[MixUp]:
     said = (
         f"{target} of {', '.join(pair.names(which))} does not follow {source}: no servo with a delay, "
         f"whatever its bandwidth, leads to {100 * SOME:.0f} % of that motion. Something else drives the "
-        "motors (a feedforward torque, a hand, a load), or the setpoints are of something else. Nothing is said of "
-        "these servos, and the model keeps what it had of them. Record setpoints that the servos follow, and "
-        "diagnose again."
+        "motors (a feedforward torque, a hand, a load), or the setpoints are of something else. Nothing "
+        "is said of these servos, and the model keeps what it had of them. Record setpoints that the "
+        "servos follow, and diagnose again."
     )
     return [pair.found("unled", which, said)]
 
@@ -49,7 +49,7 @@ def _is_unled(stamp: Array, asked: Array, went: Array) -> bool:
         return False
     told = max(_told(path, went) for path in _paths(stamp, asked, went).T)
     chance = NOTABLE * np.sqrt(alike([went - went.mean()]) / len(went))
-    return told < min(LED, chance)
+    return bool(told < min(LED, chance))
 
 
 def _inner(values: Array) -> Array:
