@@ -11,6 +11,7 @@ from trunk_ros.recording.signal.encoder import (
     WINDOWS,
     between_counts,
     count,
+    counts,
     noises,
     smoothed,
 )
@@ -54,6 +55,27 @@ STOPS = np.clip(SCANS, 0.1, 0.4)
 def test_what_is_no_encoder_s_is_left_as_it_is(position):
     assert count(position) == 0.0
     assert (between_counts(series(position)).position[:, 0] == position).all()
+
+
+ROWS = np.tile(np.repeat(np.arange(13), 13), 7)  # of a raster of stations
+ASKED = np.random.default_rng(0).integers(-90, 90, 200)  # whole degrees
+
+
+@pytest.mark.parametrize("places", [0.25 * ROWS - 1.5, 0.2 * (ROWS % 9)])
+def test_a_raster_of_stations_is_no_encoder_s_grid(places: np.ndarray) -> None:
+    assert count(places) == 0.0
+
+
+@pytest.mark.parametrize("places", [0.25 * ROWS - 1.5, np.deg2rad(ASKED)])
+def test_where_a_recording_stops_to_measure_a_grid_was_asked_for(places: np.ndarray) -> None:
+    asked = series(places, np.arange(float(len(places))))
+    assert counts(asked) == 0.0
+    assert between_counts(asked) is asked
+
+
+def test_a_coarse_encoder_has_its_step() -> None:
+    seen = 0.25 * np.round(6.0 * np.sin(2 * np.pi * 8.3 * T))  # 13 places, as a raster has
+    assert count(seen) == pytest.approx(0.25)
 
 
 def test_the_step_is_found_wherever_the_count_begins():

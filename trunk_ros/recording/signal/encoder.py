@@ -53,7 +53,11 @@ def between_counts(series: JointSeries, steps: Floats | None = None) -> JointSer
 
 
 def counts(series: JointSeries) -> Floats:
-    """(joints,) the step of each joint's encoder, 0 where its readings lie on no grid."""
+    """(joints,) the step of each joint's encoder, 0 where its readings lie on no grid, and where a recording
+    stops to measure: a grid is one that was asked for there.
+    """
+    if stops_to_measure(series.stamp):
+        return np.zeros(len(series.joints))
     return np.array([count(column) for column in series.position.T])
 
 
@@ -87,11 +91,13 @@ def count(readings: Floats) -> float:
 
 
 def _rounded(readings: Floats) -> bool:
-    """Whether readings (n,), in counts, are an encoder's: their steps are of many kinds, or, of a joint too
-    slow for that, change all the time.
+    """Whether readings (n,), in counts, are an encoder's: their steps are of many kinds that lie side by side,
+    or, of a joint too slow for that, change all the time. What goes along a grid and leaps from its end to
+    its beginning, as a raster of stations, has no steps between.
     """
     moved = np.abs(np.diff(readings))
-    if len(np.unique(moved)) >= KINDS:
+    kinds = np.unique(moved)
+    if np.isin(kinds, [kinds - 1.0, kinds + 1.0]).sum() >= KINDS:
         return True
     return len(np.unique(readings)) >= MANY and float(np.mean(np.diff(moved) != 0.0)) > VARIES
 
