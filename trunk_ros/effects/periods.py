@@ -11,6 +11,7 @@ SAME = 1e-6  # of a step: a line at the edge of the range is outside, however th
 ENOUGH = 2**17  # samples: more of them tell no more of how a residual is bent
 SHOWN = 4  # samples per period, at least: so many show it
 FINER = 8  # steps of the search per period that the range cannot hold
+ALIKE = 0.9  # of the places: where so many show one phase of a wave, another one looks like it
 
 
 def positive(values: dict[str, float], amplitude: str, phase: str) -> dict[str, float]:
@@ -36,7 +37,7 @@ def finest(x: Array) -> float:
 
 def periods(x: Array, rest: Array, low: float, high: float, most: int = 3) -> tuple[float, ...]:
     """The strongest lines of ``rest`` (n,) over ``x`` (n,) rad, in periods per turn, between ``low`` and
-    ``high``; the strongest first.
+    ``high``, or what the places of ``x`` show no finer than; the strongest first.
 
     Source: Schuster (1898), the periodogram, of the sums in narrow cells of ``x``.
     """
@@ -46,8 +47,27 @@ def periods(x: Array, rest: Array, low: float, high: float, most: int = 3) -> tu
     some = slice(None, None, max(len(x) // ENOUGH, 1))
     bent = cubic(x[some], rest[some], x)
     sums = np.bincount(((x - x.min()) / cell).astype(int), weights=rest - bent)
+    bent = np.polynomial.Polynomial.fit(x[some], rest[some], 3)
+    place = ((x - x.min()) / cell).astype(int)
+    sums = np.bincount(place, weights=rest - bent(x))
     turn = 2 * np.pi / (FINER * len(sums) * cell)
+    high = min(high, turn * _folds_at(place))
     power = np.abs(np.fft.rfft(sums, FINER * len(sums)))
     power[: int(low / turn + SAME) + 1] = power[int(np.ceil(high / turn - SAME)) :] = 0.0
     peaks = 1 + np.flatnonzero((power[1:-1] >= power[:-2]) & (power[1:-1] > power[2:]))
     return tuple((turn * peaks[np.argsort(-power[peaks])][:most]).tolist())
+
+
+def _folds_at(place: np.ndarray) -> float:
+    """The frequency, in steps of the search, beyond which every wave over cells (n,) looks like a slower one:
+    half of that at which the places that there are show one phase. Infinite where they fill the range.
+
+    Source: Deeming (1975), Astrophys. Space Sci. 36: the spectral window.
+    """
+    there = np.bincount(place) > 0
+    if np.count_nonzero(there) > len(there) / 2.0:
+        return float("inf")
+    window = np.abs(np.fft.rfft(there.astype(float), FINER * len(there))) / np.count_nonzero(there)
+    apart = int(np.argmax(window < ALIKE))
+    again = np.flatnonzero(window[apart:] >= ALIKE)
+    return (apart + again[0]) / 2.0 if len(again) else float("inf")

@@ -91,7 +91,7 @@ def count(readings: Floats) -> float:
 
 
 def _rounded(readings: Floats) -> bool:
-    """Whether readings (n,), in counts, are an encoder's: their steps are of many kinds that lie side by side,
+    """Whether readings (n,), in counts, are an encoder's: their steps are of many kinds, side by side,
     or, of a joint too slow for that, change all the time. What goes along a grid and leaps from its end to
     its beginning, as a raster of stations, has no steps between.
     """

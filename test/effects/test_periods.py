@@ -1,0 +1,46 @@
+"""Waves over places: as fine as the places can show them."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from trunk_ros.compiled import Array
+from trunk_ros.effects.periods import periods
+
+STATIONS = np.linspace(-3.5, 3.5, 13)  # as far apart as those of a published cable robot
+RASTER = np.tile(np.concatenate([STATIONS, STATIONS[::-1]]), 40)
+NYQUIST = np.pi / (STATIONS[1] - STATIONS[0])
+
+
+def lines(x: Array, cycles: float) -> tuple[float, ...]:
+    noise = np.random.default_rng(0).normal(size=len(x))
+    return periods(x, np.sin(cycles * x) + 0.1 * noise, 0.9, 120.0)
+
+
+@pytest.mark.parametrize("off", [0.0, 1e-3])  # what drives stop beside their stations
+@pytest.mark.parametrize("cycles", [2.0, 4.5, 60.0, 76.6])
+def test_on_a_raster_no_wave_is_finer_than_two_stations(off: float, cycles: float) -> None:
+    places = RASTER + off * np.random.default_rng(1).normal(size=len(RASTER))
+    found = lines(places, cycles)
+    assert max(found) <= NYQUIST * 1.01
+    if cycles < NYQUIST:
+        assert found[0] == pytest.approx(cycles, rel=0.06)
+
+
+@pytest.mark.parametrize("cycles", [10.0, 60.0])
+def test_places_that_lie_unevenly_show_finer_ones(cycles: float) -> None:
+    rng = np.random.default_rng(1)
+    for places in (RASTER + 0.15 * rng.normal(size=len(RASTER)), rng.uniform(-3.5, 3.5, 400)):
+        assert lines(places, cycles)[0] == pytest.approx(cycles, rel=0.06)
+
+
+def test_a_motion_shows_all_that_its_samples_do() -> None:
+    moved = np.tile(np.concatenate([np.linspace(-1.0, 1.0, 2000), np.linspace(1.0, -1.0, 2000)]), 3)
+    assert lines(moved, 100.0)[0] == pytest.approx(100.0, rel=0.01)
+
+
+def test_three_places_tell_of_no_wave_that_they_hold_a_period_of() -> None:
+    places = np.tile([-1.0, 0.0, 1.0, 0.0], 200)
+    noise = np.random.default_rng(0).normal(size=len(places))
+    assert periods(places, np.sin(30.0 * places) + noise, 1.05 * np.pi, 120.0) == ()
