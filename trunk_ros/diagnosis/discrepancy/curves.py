@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.linalg import cho_factor, cho_solve
 
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.discrepancy.jumps import jumps, moved_by
+from trunk_ros.diagnosis.discrepancy.smooth import smoothed
 from trunk_ros.diagnosis.discrepancy.spectrum import spectrum
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
 from trunk_ros.diagnosis.levels import PART, TURNS
@@ -26,10 +26,10 @@ from trunk_ros.effects.wire.unknown_waves import UnknownWaves
 from trunk_ros.recording.signal.resample import SLOW
 
 BUMP = 1e-4  # rad of a dead band, for derivatives
-SMOOTH = np.logspace(-3.0, 4.0, 15)  # weights of a curve's bends, of a knot's own
 ZONES = np.geomspace(1e-4, 0.1, 30)  # rad, tried as constants: a small zone shows nothing of a large one
 NEAR = np.linspace(0.88, 1.12, 25)  # of the best of them, likewise
 MOST_JUMPS = 16
+SHORTER = (1.0, 0.5, 0.25, 0.125)  # of a step: what judges a curve may not miss that it can be drawn
 
 
 @dataclass(frozen=True)
@@ -108,7 +108,7 @@ def redrawn(context: Context, hypothesis: Hypothesis, column: int) -> Hypothesis
     """The hypothesis with its curves on a column drawn anew, over what they were drawn over before."""
     for term in drawn_on(context, hypothesis, column):
         bare = hypothesis.without(term.effect, column)
-        hypothesis = _alternate(context, bare, column, _place(term, column)).fit.hypothesis
+        hypothesis = _alternate(context, bare, column, _place(term, column), SHORTER).fit.hypothesis
     return hypothesis
 
 
@@ -186,18 +186,27 @@ def _best(context: Context, bare: Hypothesis, column: int, some: list[Place]) ->
     return _alternate(context, bare, column, min(some, key=left) if len(some) > 1 else some[0])
 
 
-def _alternate(context: Context, bare: Hypothesis, column: int, place: Place) -> Drawn:
-    """Curve and named values in turn, as long as that helps."""
+def _alternate(
+    context: Context, bare: Hypothesis, column: int, place: Place, shares: Sequence[float] = (1.0,)
+) -> Drawn:
+    """Curve and named values in turn, as long as that helps; ``shares`` of a step, where the first may go too
+    far: a curve that is not linear.
+    """
+    shares = shares[:1] if place.curve.linear else shares
     values, bends = _begun(context, bare, column, place), 0.0
     done = fit(context, with_curve(bare, place, column, values), [column])
     for _ in range(TURNS):
         design = _design(context, done.hypothesis, column, place, values)
         rest = context.whitened(done.hypothesis, column)
         moved, freedom = smoothed(design, rest + design @ values, place.curve.bend())
-        trial = fit(context, with_curve(done.hypothesis, place, column, moved), [column])
-        if trial.cost[column] > done.cost[column]:
+        for share in shares:
+            there = values + share * (moved - values)
+            trial = fit(context, with_curve(done.hypothesis, place, column, there), [column])
+            if trial.cost[column] <= done.cost[column]:
+                break
+        else:
             break
-        done, values, bends = trial, moved, freedom
+        done, values, bends = trial, there, freedom
     return Drawn(done, done.cost[column] + bends * float(np.log(context.count(column))))
 
 
@@ -272,29 +281,3 @@ def design_of(context: Context, column: int, place: Place) -> Array:
         factor = np.broadcast_to(place.curve.factor(now), (len(now.stamp), 1))
         parts.append(place.basis(x) * view.span.measured(factor))
     return np.column_stack([context.whiten_change([p[:, k] for p in parts], column) for k in range(KNOTS)])
-
-
-def smoothed(design: Array, target: Array, bend: Array) -> tuple[Array, float]:
-    """Values (knots,) of the curve that a design (rows, knots) needs for a target (rows,) of unit noise, as
-    smooth as is most likely, and how many values that is worth.
-
-    The weight of the second differences ``bend`` (k, knots) has the largest marginal likelihood (Wood 2011,
-    J. R. Stat. Soc. B 73(1)).
-    """
-    normal, side = design.T @ design, design.T @ target
-    bent, rank = bend.T @ bend, np.linalg.matrix_rank(bend)
-    size = float(np.trace(normal)) / len(side)
-    least, best = -np.inf, (np.zeros_like(side), 0.0)
-    if not 0.0 < size < np.inf:  # nothing of the curve comes through
-        return best
-    for weight in SMOOTH * size:
-        try:
-            factor = cho_factor(normal + weight * bent + 1e-9 * size * np.eye(len(side)))
-        except np.linalg.LinAlgError:  # values so far apart that the numbers cannot hold their squares
-            continue
-        values = cho_solve(factor, side)
-        likely = float(side @ values) - 2.0 * float(np.log(np.diag(factor[0])).sum())
-        likely += rank * float(np.log(weight))
-        if likely > least:
-            least, best = likely, (values, float(np.trace(cho_solve(factor, normal))))
-    return best
