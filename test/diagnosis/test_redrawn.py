@@ -1,5 +1,5 @@
-"""A curve that is no linear one is drawn anew where it is judged, also where a whole step goes too far: it had
-been judged as no curve at all, and whatever harm it did stayed.
+"""A curve that is no linear one is drawn anew where it is judged, also where a whole step goes too far: it
+had been judged as no curve at all, and whatever harm it did stayed.
 """
 
 from __future__ import annotations
