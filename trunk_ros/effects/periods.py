@@ -45,11 +45,8 @@ def periods(x: Array, rest: Array, low: float, high: float, most: int = 3) -> tu
     if not 0.0 < np.ptp(x) < MOST * len(x) * cell or not np.any(rest):
         return ()
     some = slice(None, None, max(len(x) // ENOUGH, 1))
-    bent = cubic(x[some], rest[some], x)
-    sums = np.bincount(((x - x.min()) / cell).astype(int), weights=rest - bent)
-    bent = np.polynomial.Polynomial.fit(x[some], rest[some], 3)
     place = ((x - x.min()) / cell).astype(int)
-    sums = np.bincount(place, weights=rest - bent(x))
+    sums = np.bincount(place, weights=rest - cubic(x[some], rest[some], x))
     turn = 2 * np.pi / (FINER * len(sums) * cell)
     high = min(high, turn * _folds_at(place))
     power = np.abs(np.fft.rfft(sums, FINER * len(sums)))
