@@ -1,66 +1,77 @@
-"""Joints whose motors stand, while other joints, their load or time move them."""
+"""Noise is told from what a law is off by where joints rest."""
 
 from __future__ import annotations
 
 from dataclasses import replace
-from functools import partial
-from typing import Any
 
 import numpy as np
 import pytest
 
-from test.diagnosis import arms
-from test.diagnosis.arms import NOISE, SHORT, of_the_wires
-from trunk_ros.effects import registry
-from trunk_ros.effects.effect import Motion
+from test.diagnosis.arms import SHORT, diagnose
+from trunk_ros.compiled import Array
+from trunk_ros.diagnosis.context import Context
+from trunk_ros.diagnosis.data.align import wire_span
+from trunk_ros.diagnosis.data.noise import Noise
+from trunk_ros.diagnosis.evidence.at_rest import honest
+from trunk_ros.diagnosis.first_look import first_look
+from trunk_ros.diagnosis.wire import WireStage
+from trunk_ros.effects.wire.play import SharpPlay
+from trunk_ros.recording.recording import JointSeries, Recording
 
-on = partial(arms.on, joints=3)
-recorded = partial(arms.recorded, nominal=SHORT)
-diagnose = partial(arms.diagnose, model=SHORT)
-STANDS = np.array([1.0, 1.0, 0.0])
-COUPLED: dict[str, Any] = {"joint_coupling": {"gain": on(3, 0.01), "source": ["", "", "joint_2"]}}
-
-
-@pytest.mark.parametrize(
-    ("effects", "found"),
-    [
-        (COUPLED, {"joint_coupling"}),
-        ({"thermal_drift": {"amplitude": on(3, 4e-3), "time_constant": np.full(3, 8.0)}}, {"thermal_drift"}),
-    ],
-)
-def test_what_moves_a_joint_whose_motor_stands_is_found(effects: dict[str, Any], found: set[str]) -> None:
-    result = diagnose([of_the_wires(recorded(effects, size=STANDS))])
-    assert {finding.effect for finding in result.findings} == found
-    assert {joint for finding in result.findings for joint in finding.joints} == {"joint_3"}
-    assert result.stages["wire"]["silent"] == []
+WHITE, WANDERS = 1e-4, 3e-4  # rad
+CORRELATION = 0.95
+PERIOD = 0.01  # s
 
 
-def test_a_coupling_behind_a_wider_dead_band_is_one_whichever_of_the_two_has_the_play() -> None:
-    """gain s through a play is a coupling whose wires drag each other back."""
-    loose = COUPLED | {"backlash": {"half_width": on(3, 1e-3)}}
-    result = diagnose([of_the_wires(recorded(loose, size=STANDS))])
-    assert "joint_coupling" in {f.effect for f in result.findings} <= {"joint_coupling", "backlash"}
-    joint = result.stages["wire"]["joints"]["joint_3"]
-    assert joint["rmse_after"] == pytest.approx(NOISE, rel=0.1)
+def _recorded(stops: bool) -> Recording:
+    """Joints that go for 2 s and rest for 2 s, with readings that wander; where they stop, only as long as
+    their motor moves.
+    """
+    rng, stamp = np.random.default_rng(4), np.arange(0.0, 120.0, PERIOD)
+    phase = stamp % 4.0
+    goes = phase < 2.0
+    way = np.where(goes, phase / 2.0 - np.sin(np.pi * phase) / (2.0 * np.pi), 1.0)
+    stations = rng.uniform(-0.5, 0.5, (32, 3))
+    at = (stamp // 4.0).astype(int)
+    motor = stations[at] + way[:, None] * (stations[at + 1] - stations[at])
+    joint = SharpPlay().run(motor, SHORT.arm.dead_band[None], None, SHORT.arm.ratio)[0]
+    shown = joint + WHITE * rng.standard_normal(joint.shape) + _wandering(rng, len(stamp), goes, stops)
+    series = {
+        "gearbox_states": JointSeries(stamp, SHORT.arm.joints, motor),
+        "joint_states": JointSeries(stamp, SHORT.arm.joints, shown),
+    }
+    return Recording("stations", 0, float(stamp[-1]), series)
 
 
-def test_noise_of_a_joint_whose_motor_stands_is_no_motion() -> None:
-    result = diagnose([of_the_wires(recorded(size=STANDS))])
-    assert (result.verdict, result.findings, result.unexplained) == ("no_mismatch", [], [])
-    assert result.stages["wire"]["silent"] == ["joint_3"]
+def _wandering(rng: np.random.Generator, many: int, goes: np.ndarray, stops: bool) -> Array:
+    out, now = np.zeros((many, 3)), np.zeros(3)
+    for k in range(many):
+        if goes[k] or not stops:
+            now = CORRELATION * now + WANDERS * np.sqrt(1.0 - CORRELATION**2) * rng.standard_normal(3)
+        out[k] = now
+    return out
 
 
-def test_a_joint_at_rest_shows_what_does_not_go_by_its_own_motion() -> None:
-    rests = Motion(rests=True)
-    shown = {name: kind.forms_shown(rests) for name, kind in registry().items() if kind.stage == "wire"}
-    assert all(shown[name] for name in ("joint_coupling", "load_elasticity", "thermal_drift", "zero_offset"))
-    assert not any(shown[name] for name in ("ratio_error", "transmission_ripple", "viscous_lag", "hard_stop"))
-    assert shown["viscoelastic_creep"] == ("load",)
+def _context(stops: bool) -> Context:
+    """With the noise that the readings look like."""
+    context = first_look(WireStage([wire_span(_recorded(stops), SHORT)], SHORT))
+    noise = Noise(float(np.hypot(WHITE, WANDERS)), CORRELATION, WHITE)
+    return replace(context, noise=(noise,) * 3)
 
 
-def test_a_joint_that_jumps_at_rest_by_less_than_its_noise_stays_without_a_verdict() -> None:
-    quiet = of_the_wires(recorded(size=STANDS))
-    position = quiet.series["joint_states"].position.copy()
-    position[len(position) // 2 :, 2] += NOISE
-    series = quiet.series | {"joint_states": replace(quiet.series["joint_states"], position=position)}
-    assert diagnose([replace(quiet, series=series)]).stages["wire"]["silent"] == ["joint_3"]
+def test_what_wanders_at_rest_as_well_is_noise() -> None:
+    context = _context(stops=False)
+    assert honest(context, context.known).noise == context.noise
+
+
+def test_what_stands_still_with_its_joint_is_no_noise() -> None:
+    context = _context(stops=True)
+    for noise in honest(context, context.known).noise:
+        assert (noise.std, noise.remembers) == (pytest.approx(WHITE, rel=0.1), 0.0)
+
+
+def test_a_law_that_is_off_in_motion_alone_is_said_to_be_unexplained() -> None:
+    result = diagnose(_recorded(stops=True), SHORT)
+    assert result.verdict in ("unexplained", "partly_explained")
+    for told in result.stages["wire"]["joints"].values():
+        assert told["noise_floor"] == pytest.approx(WHITE, rel=0.2)

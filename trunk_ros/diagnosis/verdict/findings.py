@@ -10,6 +10,7 @@ import numpy as np
 
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.data.noise import is_none
+from trunk_ros.diagnosis.evidence.at_rest import honest
 from trunk_ros.diagnosis.evidence.determined import Determined
 from trunk_ros.diagnosis.evidence.evidence import UNNAMED, Evidence
 from trunk_ros.diagnosis.evidence.residual_dependence import depends_on, rests
@@ -179,6 +180,7 @@ def _said(name: str, value: dict[str, Any]) -> str:
 def left_over(context: Context, hypothesis: Hypothesis) -> list[Unexplained]:
     """What is above the noise after all findings, joints that vary with the same thing together."""
     found: dict[tuple[str, ...], list[tuple[str, float, float]]] = {}
+    context = honest(context, hypothesis)
     for column, power in rests(context, hypothesis).items():
         varies = depends_on(context, hypothesis, column)
         before = float(np.mean(context.whitened(context.known, column) ** 2))
