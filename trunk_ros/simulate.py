@@ -10,6 +10,7 @@ from trunk_ros.arm_model import ArmModel
 from trunk_ros.chain import Chain
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.data.align import common_joints
+from trunk_ros.diagnosis.data.repeated_readings import new_motor_readings
 from trunk_ros.diagnosis.data.sensing import turns_counted_on
 from trunk_ros.diagnosis.data.sensor_faults import without_wild
 from trunk_ros.recording.recording import JointSeries, Recording
@@ -58,6 +59,7 @@ def simulate(
         )
         phi, velocity = resample(driven, grid)
     else:
+        given = new_motor_readings(given, measured)[0]
         steps = counts(given) if model.effects else np.zeros(len(joints))
         driven = _as_driven(recording, given, steps, model)
         grid, rows, kept = joint_grid(driven.stamp, shown_at, beyond=True)

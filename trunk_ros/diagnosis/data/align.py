@@ -10,7 +10,7 @@ from trunk_ros.arm_model import ArmModel
 from trunk_ros.chain import REMEMBERED
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.data.motion_content import MOVED, STANDS, comes_back, is_wide, passed, turned
-from trunk_ros.diagnosis.data.repeated_readings import new_readings
+from trunk_ros.diagnosis.data.repeated_readings import new_motor_readings, new_readings
 from trunk_ros.diagnosis.data.span import Span
 from trunk_ros.diagnosis.levels import CERTAIN, ENOUGH, HALF, OUTLIERS, ROUGH, SLIGHT
 from trunk_ros.errors import RecordingError
@@ -45,7 +45,8 @@ def wire_span(recording: Recording, model: ArmModel) -> Span:
     gearbox, measured = recording.require("gearbox_states"), recording.require("joint_states")
     joints = common_joints(recording, model, gearbox, measured)
     model = model.for_joints(joints)
-    gearbox, (measured, held) = gearbox.select(joints), new_readings(measured.select(joints))
+    measured, held = new_readings(measured.select(joints))
+    gearbox = new_motor_readings(gearbox.select(joints), measured)[0]
     steps = counts(gearbox)
     grid, rows, kept = joint_grid(gearbox.stamp, measured.stamp)
     phi, velocity = resample(between_counts(gearbox, steps), grid)
@@ -140,6 +141,9 @@ def servo_span(recording: Recording, model: ArmModel) -> Span:
     setpoints, gearbox = setpoints.select(joints), gearbox.select(joints)
     told = np.isfinite(setpoints.position).any(axis=0)
     setpoints = given(setpoints, model)
+    shown = recording.series.get("joint_states")
+    setpoints = given(setpoints.select(joints), model)
+    gearbox = new_motor_readings(gearbox.select(joints), shown)[0]
     asked = all_setpoints(recording, joints, model) or setpoints
     grid, rows, kept = joint_grid(asked.stamp, gearbox.stamp, fine=False)
     held = np.clip(np.searchsorted(asked.stamp, grid + SAME, side="right") - 1, 0, None)
@@ -154,6 +158,8 @@ def servo_span(recording: Recording, model: ArmModel) -> Span:
     target = np.where(valid, measured, 0.0)
     unknown = (np.empty(0, dtype=int),) * len(joints)
     known = felt(recording, arm, grid)
+    at_wires = at_joints(gearbox, arm, measured=False)
+    known = resistance(arm.uncoupled(), at_wires, grid, arm.driven(phi), shown)
     return Span(
         recording.name, joints, grid, source, velocity, rows, target, valid, phi, unknown, known, anew=anew
     )

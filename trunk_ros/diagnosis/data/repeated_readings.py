@@ -7,10 +7,13 @@ from dataclasses import replace
 import numpy as np
 
 from trunk_ros.compiled import Array
-from trunk_ros.diagnosis.levels import CLEARLY, FEWEST, HALF, NEARLY, OUTLIERS, PART, THREEFOLD
+from trunk_ros.diagnosis.levels import CLEARLY, ENOUGH, FEWEST, HALF, NEARLY, OUTLIERS, PART, THREEFOLD
+from trunk_ros.guards import TINY
 from trunk_ros.recording.child_process import at_stamps
 from trunk_ros.recording.recording import JointSeries
 from trunk_ros.recording.signal.encoder import EVEN
+from trunk_ros.recording.signal.fill import hold
+from trunk_ros.recording.signal.resample import SAME, resample
 
 
 def holding(stamp: Array, values: Array) -> float:
@@ -84,8 +87,46 @@ def new_readings(series: JointSeries) -> tuple[JointSeries, float]:
     usual, tick = float(np.median(times)), float(np.median(np.diff(stamp)))
     if in_turn(series, usual):
         return _at_one_time(series, usual, tick), usual
-    new = series.rows(_kept(series.stamp, series.position, 2.0 * usual))
+    kept = _kept(series.stamp, series.position, 2.0 * usual)
+    new = series.rows(kept | _ends_of_rests(series.stamp, series.position, usual))
     return replace(new, stamp=asked(new.stamp, usual, tick)), usual
+
+
+def new_motor_readings(driven: JointSeries, shown: JointSeries | None) -> tuple[JointSeries, float]:
+    """As ``new_readings``, of the motors that move the joints ``shown``: between two readings they go on.
+    Where the joints are seen to go in the same steps, nothing is repeated: so the motors went.
+    """
+    new, usual = new_readings(driven)
+    if usual and shown is not None and _in_steps(driven, new, shown, usual):
+        return driven, 0.0
+    return new, usual
+
+
+def _in_steps(driven: JointSeries, new: JointSeries, shown: JointSeries, usual: float) -> bool:
+    """Whether motors that hold each reading, for ``usual`` s, say clearly more of how the joints go from one
+    of their readings to the next than motors that go on between ``new`` ones do, however late the joints are.
+    """
+    joints = shown.position[:, np.isfinite(shown.position).any(axis=0)]
+    held, tick = hold(driven.position), float(np.median(np.diff(driven.stamp)))
+    if len(shown.stamp) < ENOUGH or not joints.size:
+        return False
+    steps, smooth = [], []
+    for late in np.arange(0.0, usual + tick, tick):
+        at = shown.stamp - late
+        last = np.clip(np.searchsorted(driven.stamp, at + SAME, side="right") - 1, 0, None)
+        steps.append(_unsaid(held[last], joints))
+        smooth.append(_unsaid(resample(new, at)[0], joints))
+    return CLEARLY * min(steps) < min(smooth)
+
+
+def _unsaid(motors: Array, joints: Array) -> float:
+    """What steps of the motors (n, motors) leave of those of the joints (n, joints), squared, in the
+    geometric mean over these.
+    """
+    by, of = np.diff(motors, axis=0), np.diff(joints, axis=0)
+    known = np.isfinite(of).all(axis=1)
+    left = of[known] - by[known] @ np.linalg.lstsq(by[known], of[known])[0]
+    return float(np.exp(np.mean(np.log(np.mean(left**2, axis=0) + TINY))))
 
 
 def _telling(series: JointSeries) -> tuple[Array, list[Array]]:
@@ -142,13 +183,30 @@ def _between(parts: list[tuple[Array, Array]], stamp: Array) -> Array:
 
 def _kept(stamp: Array, position: Array, longest: float) -> np.ndarray:
     """(n,) where a reading is new, or the last one that was kept is ``longest`` [s] ago."""
-    out = np.ones(len(stamp), dtype=bool)
-    out[1:] = np.any((position[1:] != position[:-1]) & np.isfinite(position[1:]), axis=1)
+    out = _is_new(position)
     last = stamp[0]
     for k in range(len(stamp)):
         out[k] |= stamp[k] - last >= longest
         last = stamp[k] if out[k] else last
     return out
+
+
+def _ends_of_rests(stamp: Array, position: Array, usual: float) -> np.ndarray:
+    """(n,) the first and the last of equal readings, made every ``usual`` [s]: a rest begins and ends there,
+    and not where it was kept first and last.
+    """
+    new, out = stamp[_is_new(position)], np.zeros(len(stamp), dtype=bool)
+    first, last = new[:-1] + usual, new[1:] - usual
+    rests = last > first - SAME
+    out[np.searchsorted(stamp, first[rests] - SAME)] = True
+    out[np.searchsorted(stamp, last[rests] + SAME) - 1] = True
+    return out
+
+
+def _is_new(position: Array) -> np.ndarray:
+    """(n,) where a joint reads otherwise than before."""
+    changed = (position[1:] != position[:-1]) & np.isfinite(position[1:])
+    return np.append(True, np.any(changed, axis=1))
 
 
 def coarseness(values: Array, valid: np.ndarray) -> float:

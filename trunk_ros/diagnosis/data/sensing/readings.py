@@ -7,13 +7,14 @@ from dataclasses import replace
 
 import numpy as np
 
-from trunk_ros.diagnosis.data.repeated_readings import in_turn, new_readings
+from trunk_ros.diagnosis.data.repeated_readings import in_turn, new_motor_readings, new_readings
 from trunk_ros.diagnosis.data.sensing.hum import Hum, hums
 from trunk_ros.diagnosis.data.sensing.pairs import pair, seen, told
 from trunk_ros.diagnosis.data.sensing.steps import coarse_steps
 from trunk_ros.diagnosis.data.sensing.wraps import series_unwrapped, whole_turns
 from trunk_ros.model import Model
-from trunk_ros.recording.recording import Recording
+from trunk_ros.recording.observed import Observed
+from trunk_ros.recording.recording import JointSeries, Recording
 from trunk_ros.recording.topics import TOPICS
 
 ANGLES = ("gearbox_states", "joint_states", "setpoints", "reference")
@@ -70,22 +71,30 @@ def _of_one_turn(recording: Recording, model: Model) -> Recording:
 
 
 def read_when(recording: Recording, model: Model) -> Recording:
-    """Readings that are repeated until the next ones come, at the times at which they were read."""
-    shown = recording.series.get("joint_states")
-    if shown is None or len(shown.stamp) < 2:
-        return recording
-    new, held = new_readings(shown)
-    if not held:
-        return recording
-    period = float(np.median(np.diff(new.stamp)))
-    turns = ". Joints are read in turn: others are interpolated to the times of one" * in_turn(shown, held)
+    """Readings of joints, then of motors, that are repeated until the next ones come, at the times at which
+    they were read.
+    """
+    for key, age in (("joint_states", "a delay of the sensor"), ("gearbox_states", "joints that are early")):
+        series = recording.series.get(key)
+        if series is None or len(series.stamp) < 2:
+            continue
+        shown = recording.series.get("joint_states")
+        new, held = new_readings(series) if series is shown else new_motor_readings(series, shown)
+        if held:
+            recording = seen(recording, _repeating(key, series, new, held, age), **{key: new})
+    return recording
+
+
+def _repeating(key: str, series: JointSeries, new: JointSeries, held: float, age: str) -> Observed:
+    """What is said of a topic that holds each of its readings, of which the ``new`` ones are kept."""
+    period, topic = float(np.median(np.diff(new.stamp))), TOPICS[key]
+    turns = ". Joints are read in turn: others are interpolated to the times of one" * in_turn(series, held)
     said = (
-        f"{SHOWN} repeats each reading until the next one comes, every {1e3 * period:.1f} ms: repeats are "
+        f"{topic} repeats each reading until the next one comes, every {1e3 * period:.1f} ms: repeats are "
         "left out, and each reading has the time of its first message, less what it waited for that. How "
-        f"old a reading is when it comes shows as a delay of the sensor{turns}"
+        f"old a reading is when it comes shows as {age}{turns}"
     )
-    observed = told("repeats", (SHOWN, new.joints), period, None, "s", said)
-    return seen(recording, observed, joint_states=new)
+    return told("repeats", (topic, new.joints), period, None, "s", said)
 
 
 def without_tones(recording: Recording, model: Model) -> Recording:
