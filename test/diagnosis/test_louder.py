@@ -9,7 +9,7 @@ import pytest
 
 from test.diagnosis.arms import diagnose, recorded
 from trunk_ros.compiled import Array
-from trunk_ros.diagnosis.data.louder import Louder, growth
+from trunk_ros.diagnosis.data.louder import BESIDE, NONE, ON_TOP, Growth, Louder, growth
 from trunk_ros.recording.recording import Recording
 
 RNG = np.random.default_rng(11)
@@ -26,28 +26,43 @@ def _loud(k: float, speed: Array = SPEED) -> Array:
 @pytest.mark.parametrize("k", [6.0, 15.0])
 def test_growth_with_speed_is_measured_beside_smooth_physics(k: float) -> None:
     physics = 3e-3 * np.sin(2 * np.pi * 0.3 * STAMP)
-    assert growth([_loud(k) + physics], [SPEED], [EVERY]) == pytest.approx(k, rel=0.15)
+    found = growth([_loud(k) + physics], [SPEED], [EVERY])
+    assert found.rate == pytest.approx(k, rel=0.15)
+    assert found.power == BESIDE
+
+
+@pytest.mark.parametrize("share", [0.1, 0.3, 1.0])
+def test_growth_is_measured_of_a_joint_that_mostly_rests_and_of_noise_on_top_of_that_at_rest(
+    share: float,
+) -> None:
+    """In equal shares of all samples such a joint moved in one of them alone."""
+    speed = np.where(np.arange(len(SPEED)) < share * len(SPEED), SPEED, 1e-5 * RNG.random(len(SPEED)))
+    noise = NOISE * (1.0 + 16.0 * np.abs(speed)) * RNG.standard_normal(len(speed))
+    found = growth([noise], [speed], [EVERY])
+    assert found.rate == pytest.approx(16.0, rel=0.25)
+    assert found.power == ON_TOP
 
 
 def test_steady_noise_does_not_grow() -> None:
-    assert growth([_loud(0.0)], [SPEED], [EVERY]) == 0.0
+    assert growth([_loud(0.0)], [SPEED], [EVERY]) == NONE
 
 
 def test_what_rings_in_fast_motion_is_no_noise() -> None:
     ringing = 3e-3 * np.abs(SPEED) * np.sin(2 * np.pi * 9.0 * STAMP)
-    assert growth([_loud(0.0) + ringing], [SPEED], [EVERY]) == 0.0
+    assert growth([_loud(0.0) + ringing], [SPEED], [EVERY]) == NONE
 
 
 def test_readings_that_stand_between_counts_at_some_speeds_tell_nothing_of_growth() -> None:
     speed = np.sort(np.abs(SPEED))  # stretches of one speed each, as jogs are
     slowest, silent = np.quantile(speed, [0.15, 0.5])
     seen = np.where(speed < slowest, 1e-4, np.where(speed < silent, 0.0, 1.0)) * _loud(15.0, speed)
-    assert growth([seen], [speed], [EVERY]) == 0.0
+    assert growth([seen], [speed], [EVERY]) == NONE
 
 
 def test_sensors_are_alike_where_most_agree() -> None:
-    assert Louder.of([10.0, 0.0, 12.0]).each == (10.0, 11.0, 12.0)
-    assert Louder.of([10.0, 0.0, 0.0]).each == (10.0, 0.0, 0.0)
+    some, more = Growth(10.0), Growth(12.0, ON_TOP)
+    assert Louder.of([some, NONE, more]).each == (some, more, more)
+    assert Louder.of([some, NONE, NONE]).each == (some, NONE, NONE)
     assert Louder().at(SPEED, 0) == 1.0
 
 
