@@ -91,3 +91,12 @@ def test_what_is_left_is_said_with_its_stage_and_size() -> None:
     assert said is not None
     left = np.sqrt(now.rest(1) / now.context.count(1))
     assert float(said[1]) == pytest.approx(left, rel=0.05)
+
+
+@pytest.mark.parametrize(("times", "said"), [(0.9, 0), (1.2, 1)])
+def test_what_is_less_than_the_noise_is_not_said_to_be_left(
+    times: float, said: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    now = fitted("rough")
+    monkeypatch.setattr("trunk_ros.diagnosis.verdict.findings.rests", lambda *_: {1: times**2})
+    assert len(left_over(now.context, now.hypothesis)) == said

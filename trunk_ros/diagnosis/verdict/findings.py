@@ -18,6 +18,7 @@ from trunk_ros.diagnosis.evidence.spreads import Spreads
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
 from trunk_ros.diagnosis.levels import LITTLE, MOST, ROUGH, SLIGHT, SURE
 from trunk_ros.diagnosis.stage import Stage
+from trunk_ros.diagnosis.levels import MOST, ROUGH, SLIGHT, SURE
 from trunk_ros.diagnosis.verdict import bank_words, curve_words
 from trunk_ros.diagnosis.verdict.answer import Unexplained
 from trunk_ros.diagnosis.verdict.finding import UNKNOWN, Finding, evidence_of
@@ -178,15 +179,17 @@ def _said(name: str, value: dict[str, Any]) -> str:
 
 
 def left_over(context: Context, hypothesis: Hypothesis) -> list[Unexplained]:
-    """What is above the noise after all findings, joints that vary with the same thing together."""
+    """What is left after all findings, if it is more than the noise, joints that vary with the same thing
+    together.
+    """
     found: dict[tuple[str, ...], list[tuple[str, float, float]]] = {}
     context = honest(context, hypothesis)
     for column, power in rests(context, hypothesis).items():
+        if power < 1.0:
+            continue
         varies = depends_on(context, hypothesis, column)
         before = float(np.mean(context.whitened(context.known, column) ** 2))
         share = float(np.clip(power / max(before - 1.0, power), 0.0, 1.0))
-        if share < LITTLE and power < 1.0:
-            continue
         size = float("nan") if is_none(context.noise[column].std) else float(np.sqrt(power))
         found.setdefault(tuple(varies), []).append((context.joints[column], share, size))
     stage = context.stage
