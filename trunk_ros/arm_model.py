@@ -47,6 +47,8 @@ class ArmModel:
     highest: Array = field(default_factory=lambda: np.empty(0))
     setpoints: str = HELD
     """What recorded setpoints are: each held until the next, or samples of what the servo got (SAMPLED)."""
+    setpoints_stated: bool = False
+    """Whether that is said, and not what is supposed of recordings of which nobody said it."""
     recordings: tuple[str, ...] = ()
     """Those that curves over time without a name were drawn from, as ``Recording.stamped``. Empty where that
     is not known."""

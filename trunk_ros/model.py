@@ -33,7 +33,7 @@ class Model(Predictor):
         """Flat ROS parameters, effects at their null left out."""
         flat = arm_parameters(self.arm)
         flat["recording.duration"] = float(self.duration)
-        if self.setpoints != HELD:
+        if self.setpoints != HELD or self.setpoints_stated:
             flat["recording.setpoints"] = self.setpoints
         if self.recordings:
             flat["recording.of"] = list(self.recordings)
@@ -74,7 +74,10 @@ class Model(Predictor):
             raise ModelError(f"recording.setpoints = {shortened(setpoints)}: choose {HELD} or {SAMPLED}")
         duration = given.get("recording.duration", 0.0)
         of = tuple(filter(None, given.get("recording.of", [])))
-        return Model(arm, effects, duration, **known, setpoints=setpoints, recordings=of)
+        stated = "recording.setpoints" in given
+        return Model(
+            arm, effects, duration, **known, setpoints=setpoints, setpoints_stated=stated, recordings=of
+        )
 
     def hash(self) -> str:
         """Twelve hex digits that change with any parameter."""

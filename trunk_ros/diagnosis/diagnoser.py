@@ -26,7 +26,7 @@ from trunk_ros.diagnosis.free_run import free_run
 from trunk_ros.diagnosis.heap import give_back
 from trunk_ros.diagnosis.hypothesis import Hypothesis
 from trunk_ros.diagnosis.judged import judged
-from trunk_ros.diagnosis.nominal_servo import Servos, with_its_servo
+from trunk_ros.diagnosis.nominal_servo import Servos, with_its_servo, with_its_setpoints
 from trunk_ros.diagnosis.pace import with_its_clocks
 from trunk_ros.diagnosis.search.fit import Fit
 from trunk_ros.diagnosis.servo import ServoStage
@@ -184,7 +184,7 @@ class Diagnoser:
         if self.against is not None and self.against.learned:
             return replace(self.model, setpoints=with_its_servo(self.model, recorded).setpoints)
         if self.model.says_its_servos:
-            return self.model
+            return self.model if self.against else with_its_setpoints(self.model, recorded)
         return with_its_servo(self.model, recorded, self.servos)
 
     def wire(self) -> None:

@@ -1,4 +1,6 @@
-"""The nominal servo of an arm of whose servos nothing is said: found in the recording first."""
+"""The nominal servo of an arm of whose servos nothing is said, and what recorded setpoints are where that is
+not said: found in the recording first.
+"""
 
 from __future__ import annotations
 
@@ -23,7 +25,6 @@ from trunk_ros.diagnosis.search.score import SIGNIFICANT
 from trunk_ros.diagnosis.servo import ServoStage
 from trunk_ros.diagnosis.servo_loop import Loop, fastest_of, numbers_of
 from trunk_ros.effects.servo.loop import STEP
-from trunk_ros.guards import TINY
 from trunk_ros.model import Model
 from trunk_ros.recording.recording import Recording
 
@@ -87,6 +88,39 @@ def with_its_servo(model: Model, recordings: Sequence[Recording], known: Servos 
     return _fed(sampled, recordings) if CLEARLY * less < left else held
 
 
+def with_its_setpoints(model: Model, recordings: Sequence[Recording]) -> Model:
+    """A model that says its servos, with setpoints that are samples of what moves on between them, where it
+    does not say what they are, and loops near its own are then clearly nearer to the shafts; or its own are,
+    and no loops with setpoints that are held are clearly nearer: samples of a slow motion look like servos
+    that are quicker than told, by half of the time between two of them.
+    """
+    if model.setpoints_stated or model.setpoints == SAMPLED:
+        return model
+    told, near, explained = _left(model, recordings)
+    if explained:
+        return model
+    sampled = replace(model, setpoints=SAMPLED)
+    told_so, near_so, _ = _left(sampled, recordings)
+    as_stated = CLEARLY * told_so < told and told_so < CLEARLY * near
+    return sampled if as_stated or CLEARLY * near_so < near else model
+
+
+def _left(model: Model, recordings: Sequence[Recording]) -> tuple[float, float, bool]:
+    """What the loops of a model leave, and those near by, rms [rad], and whether the former is hardly more
+    than noise.
+    """
+    numbers, left, explained = _numbers_of(model.arm), np.zeros(2), True
+    for context, column, joint in _moved(model, recordings):
+        loop, told = Loop.of(context, column), numbers[:, joint]
+        cost = near = loop.left(told)
+        if not _is_explained(loop, cost):
+            explained = False
+            start = loop.at(told)[: None if told[-1] else -1]
+            near = min(cost, loop.left(numbers_of(loop.fitted(start).x)))
+        left += np.array([cost, near]) * context.noise[column].std ** 2 / context.count(column)
+    return float(np.sqrt(left[0])), float(np.sqrt(left[1])), explained
+
+
 def _identified(
     model: Model, recordings: Sequence[Recording], known: Collection[str] = ()
 ) -> tuple[Model, float]:
@@ -114,9 +148,7 @@ def _like_others(loop: Loop, own: Array, others: list[Array], cost: float) -> tu
     if _is_explained(loop, cost):
         return own, cost
     top = float(own[TOP_SPEED][0])
-    starts = [np.array([kp, kp * tau_v, top, late]) for kp, tau_v, _, late, _ in others]
-    starts = [np.array([*np.log(np.maximum(x[:3], TINY)), x[3]]) for x in starts]
-    starts = [np.clip(x, loop.low[:4], loop.high[:4]) for x in starts]
+    starts = [loop.at(np.where(TOP_SPEED, top, numbers))[:4] for numbers in others]
     starts.sort(key=lambda x: loop.left(numbers_of(x)))
     best = min((numbers_of(loop.fitted(x).x) for x in starts[:SEVERAL]), key=loop.left, default=own)
     best = _with_top(loop, best, np.maximum(own, TOPS[-1] * fastest_of(loop.context, loop.column)))

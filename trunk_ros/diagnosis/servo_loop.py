@@ -64,6 +64,12 @@ class Loop:
         pulled = extended(context, known, Candidate(kind.id, kind.apart, column, start))
         return replace(Loop.of(context, column), pulled=pulled)
 
+    def at(self, numbers: Array) -> Array:
+        """(5,) what is fitted, within its bounds, where a servo has the ``numbers`` (5,)."""
+        kp, tau_v, top, late, share = numbers
+        logarithms = np.log(np.maximum([kp, kp * tau_v, top], TINY))
+        return np.asarray(np.clip([*logarithms, late, share], self.low, self.high))
+
     def left(self, numbers: Array) -> float:
         """Squared whitened residual."""
         return float(np.sum(self.residual(numbers) ** 2))
