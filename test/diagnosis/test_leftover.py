@@ -8,11 +8,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from test.diagnosis.arms import SHORT, recorded
 from test.diagnosis.search.looks import fitted
 from trunk_ros.diagnosis import diagnose
+from trunk_ros.diagnosis.data.align import servo_span
 from trunk_ros.diagnosis.data.motion_content import PLACES
-from trunk_ros.diagnosis.evidence.residual_dependence import accounted, goes_on
+from trunk_ros.diagnosis.evidence.residual_dependence import accounted, goes_on, rests
+from trunk_ros.diagnosis.first_look import first_look
+from trunk_ros.diagnosis.hypothesis import Hypothesis
 from trunk_ros.diagnosis.levels import SLIGHT
+from trunk_ros.diagnosis.servo import ServoStage
 from trunk_ros.diagnosis.verdict.findings import _unexplained, left_over
 from trunk_ros.model import load_model
 from trunk_ros.recording.recording import JointSeries, Recording
@@ -100,3 +105,15 @@ def test_what_is_less_than_the_noise_is_not_said_to_be_left(
     now = fitted("rough")
     monkeypatch.setattr("trunk_ros.diagnosis.verdict.findings.rests", lambda *_: {1: times**2})
     assert len(left_over(now.context, now.hypothesis)) == said
+
+
+def test_of_what_a_servo_leaves_only_a_lag_is_how_its_loop_is_described() -> None:
+    """A wave as small as what 1 ms makes of the motion had been taken for that, and was not said."""
+    made = recorded(seconds=20.0, nominal=SHORT)
+    motors = made.series["gearbox_states"]
+    wave = 3e-4 * np.sin(2.0 * np.pi * 1.1 * motors.stamp)
+    late = np.column_stack([np.interp(motors.stamp - 1e-3, motors.stamp, q) for q in motors.position.T])
+    for position, said in ((motors.position + wave[:, None], {0, 1, 2}), (late, set())):
+        series = {**made.series, "gearbox_states": replace(motors, position=position, velocity=None)}
+        stage = ServoStage([servo_span(replace(made, series=series), SHORT)], SHORT)
+        assert rests(first_look(stage), Hypothesis()).keys() == said

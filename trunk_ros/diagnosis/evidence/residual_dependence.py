@@ -11,9 +11,10 @@ from trunk_ros.diagnosis.discrepancy.curves import variables
 from trunk_ros.diagnosis.discrepancy.spectrum import spectrum
 from trunk_ros.diagnosis.evidence.at_rest import honest
 from trunk_ros.diagnosis.hypothesis import Hypothesis
-from trunk_ros.diagnosis.levels import HALF, PART, SLIGHT, SURE
-from trunk_ros.diagnosis.search.formed import off_by
+from trunk_ros.diagnosis.levels import CLEARLY, HALF, PART, ROUGHLY, SLIGHT, SURE
+from trunk_ros.diagnosis.search.formed import behind, off_by
 from trunk_ros.effects.curve import abscissa, words_of
+from trunk_ros.guards import ROUNDED
 from trunk_ros.recording.signal.resample import SLOW
 
 
@@ -23,15 +24,35 @@ def rests(context: Context, hypothesis: Hypothesis) -> dict[int, float]:
     """
     context = honest(context, hypothesis)
     power = {c: _power(context, hypothesis, c) for c in context.columns}
-    least = {c: max(context.rest(c), off_by(context, c) / context.count(c)) for c in power}
+    least = {c: max(context.rest(c), _of_laws(context, c) / context.count(c)) for c in power}
     return {c: p for c, p in power.items() if p > least[c] and _coherent(context, hypothesis, c)}
+
+
+def _of_laws(context: Context, column: int) -> float:
+    """Squared unit-noise residual that the model's own laws may leave: of a loop, beside how far it lags,
+    which is not counted.
+    """
+    if context.stage.name != "servo":
+        return off_by(context, column)
+    later = ROUGHLY * behind(context, column)
+    return float(later @ later)
+
+
+def _rest(context: Context, hypothesis: Hypothesis, column: int) -> Array:
+    """(rows,) what is left, whitened, but for what a loop that goes on all the time may be later."""
+    rest = context.whitened(hypothesis, column)
+    if context.stage.name != "servo":
+        return rest
+    later = behind(context, column)
+    share = float(rest @ later) / max(float(later @ later), ROUNDED)
+    return np.asarray(rest - np.clip(share, -HALF, CLEARLY) * later)
 
 
 def _power(context: Context, hypothesis: Hypothesis, column: int) -> float:
     """Of the innovations; beside an effect that was found of the residual itself where that surely goes
     further than its noise does: the slow part of what a law is off by is no innovation.
     """
-    power = float(np.mean(context.whitened(hypothesis, column) ** 2)) - 1.0
+    power = float(np.mean(_rest(context, hypothesis, column) ** 2)) - 1.0
     noise, theirs = context.noise[column], {term.effect for term in context.known.on(column)}
     if noise.remembers == 0.0 or all(term.effect in theirs for term in hypothesis.on(column)):
         return power
