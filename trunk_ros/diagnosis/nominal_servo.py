@@ -21,6 +21,7 @@ from trunk_ros.diagnosis.data.align import servo_joints, servo_span
 from trunk_ros.diagnosis.data.excerpt import excerpt, moving
 from trunk_ros.diagnosis.first_look import first_look
 from trunk_ros.diagnosis.levels import CLEARLY, LITTLE, SEVERAL, THREEFOLD
+from trunk_ros.diagnosis.search.formed import but_for_a_lag
 from trunk_ros.diagnosis.search.score import SIGNIFICANT
 from trunk_ros.diagnosis.servo import ServoStage
 from trunk_ros.diagnosis.servo_loop import Loop, fastest_of, numbers_of
@@ -106,13 +107,14 @@ def with_its_setpoints(model: Model, recordings: Sequence[Recording]) -> Model:
 
 
 def _left(model: Model, recordings: Sequence[Recording]) -> tuple[float, float, bool]:
-    """What the loops of a model leave, and those near by, rms [rad], and whether the former is hardly more
-    than noise.
+    """What the loops of a model leave, but for how they are described, and those near by, rms [rad], and
+    whether the former is hardly more than noise.
     """
     numbers, left, explained = _numbers_of(model.arm), np.zeros(2), True
     for context, column, joint in _moved(model, recordings):
         loop, told = Loop.of(context, column), numbers[:, joint]
-        cost = near = loop.left(told)
+        rest = but_for_a_lag(context, column, loop.residual(told))
+        cost = near = float(rest @ rest)
         if not _is_explained(loop, cost):
             explained = False
             start = loop.at(told)[: None if told[-1] else -1]

@@ -11,10 +11,9 @@ from trunk_ros.diagnosis.discrepancy.curves import variables
 from trunk_ros.diagnosis.discrepancy.spectrum import spectrum
 from trunk_ros.diagnosis.evidence.at_rest import honest
 from trunk_ros.diagnosis.hypothesis import Hypothesis
-from trunk_ros.diagnosis.levels import CLEARLY, HALF, PART, ROUGHLY, SLIGHT, SURE
-from trunk_ros.diagnosis.search.formed import behind, off_by
+from trunk_ros.diagnosis.levels import HALF, PART, ROUGHLY, SLIGHT, SURE
+from trunk_ros.diagnosis.search.formed import behind, but_for_a_lag, off_by
 from trunk_ros.effects.curve import abscissa, words_of
-from trunk_ros.guards import ROUNDED
 from trunk_ros.recording.signal.resample import SLOW
 
 
@@ -38,26 +37,19 @@ def _of_laws(context: Context, column: int) -> float:
     return float(later @ later)
 
 
-def _rest(context: Context, hypothesis: Hypothesis, column: int) -> Array:
-    """(rows,) what is left, whitened, but for what a loop that goes on all the time may be later."""
-    rest = context.whitened(hypothesis, column)
-    if context.stage.name != "servo":
-        return rest
-    later = behind(context, column)
-    share = float(rest @ later) / max(float(later @ later), ROUNDED)
-    return np.asarray(rest - np.clip(share, -HALF, CLEARLY) * later)
-
-
 def _power(context: Context, hypothesis: Hypothesis, column: int) -> float:
     """Of the innovations; beside an effect that was found of the residual itself where that surely goes
     further than its noise does: the slow part of what a law is off by is no innovation.
     """
-    power = float(np.mean(_rest(context, hypothesis, column) ** 2)) - 1.0
+    rest = context.whitened(hypothesis, column)
+    if context.stage.name == "servo":
+        rest = but_for_a_lag(context, column, rest)
+    power = float(np.mean(rest**2)) - 1.0
     noise, theirs = context.noise[column], {term.effect for term in context.known.on(column)}
     if noise.remembers == 0.0 or all(term.effect in theirs for term in hypothesis.on(column)):
         return power
     seen = zip(context.evened(hypothesis, column), context.views, strict=True)
-    rest = np.concatenate([rest[view.columns[column].counted] for rest, view in seen])
+    rest = np.concatenate([even[view.columns[column].counted] for even, view in seen])
     further = float(np.mean(rest**2)) / noise.std**2 - 1.0
     worth = len(rest) * (1.0 - noise.remembers) / (1.0 + noise.remembers)
     return max(power, further) if further > SURE * np.sqrt(2.0 / max(worth, 1.0)) else power

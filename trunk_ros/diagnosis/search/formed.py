@@ -9,7 +9,7 @@ import numpy as np
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.hypothesis import Hypothesis
-from trunk_ros.diagnosis.levels import CLEARLY, FAR_OFF, PART, SEVERAL, SLIGHT
+from trunk_ros.diagnosis.levels import CLEARLY, FAR_OFF, HALF, PART, SEVERAL, SLIGHT
 from trunk_ros.diagnosis.search.fit import Fit
 from trunk_ros.effects import effect
 from trunk_ros.guards import ROUNDED
@@ -79,6 +79,15 @@ def behind(context: Context, column: int) -> Array:
         went = context.stage.predict(context, index, context.known, column)
         speeds.append(-context.stage.ahead * np.gradient(went, view.span.stamp))
     return context.whiten_change(speeds, column)
+
+
+def but_for_a_lag(context: Context, column: int, rest: Array) -> Array:
+    """A whitened ``rest`` (rows,) of a servo without what a loop may be later, or earlier, than its model
+    is described.
+    """
+    later = behind(context, column)
+    share = float(rest @ later) / max(float(later @ later), ROUNDED)
+    return np.asarray(rest - np.clip(share, -HALF, CLEARLY) * later)
 
 
 def _right_line(context: Context, column: int, rest: Array, line: Array) -> float:
