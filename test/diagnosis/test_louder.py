@@ -9,7 +9,7 @@ import pytest
 
 from test.diagnosis.arms import diagnose, recorded
 from trunk_ros.compiled import Array
-from trunk_ros.diagnosis.data.louder import BESIDE, NONE, ON_TOP, Growth, Louder, growth
+from trunk_ros.diagnosis.data.louder import IN_POWER, IN_SIZE, NONE, Growth, Louder, growth
 from trunk_ros.recording.recording import Recording
 
 RNG = np.random.default_rng(11)
@@ -28,7 +28,7 @@ def test_growth_with_speed_is_measured_beside_smooth_physics(k: float) -> None:
     physics = 3e-3 * np.sin(2 * np.pi * 0.3 * STAMP)
     found = growth([_loud(k) + physics], [SPEED], [EVERY])
     assert found.rate == pytest.approx(k, rel=0.15)
-    assert found.power == BESIDE
+    assert found.power == IN_POWER
 
 
 @pytest.mark.parametrize("share", [0.1, 0.3, 1.0])
@@ -40,7 +40,7 @@ def test_growth_is_measured_of_a_joint_that_mostly_rests_and_of_noise_on_top_of_
     noise = NOISE * (1.0 + 16.0 * np.abs(speed)) * RNG.standard_normal(len(speed))
     found = growth([noise], [speed], [EVERY])
     assert found.rate == pytest.approx(16.0, rel=0.25)
-    assert found.power == ON_TOP
+    assert found.power == IN_SIZE
 
 
 def test_steady_noise_does_not_grow() -> None:
@@ -60,7 +60,7 @@ def test_readings_that_stand_between_counts_at_some_speeds_tell_nothing_of_growt
 
 
 def test_sensors_are_alike_where_most_agree() -> None:
-    some, more = Growth(10.0), Growth(12.0, ON_TOP)
+    some, more = Growth(10.0), Growth(12.0, IN_SIZE)
     assert Louder.of([some, NONE, more]).each == (some, more, more)
     assert Louder.of([some, NONE, NONE]).each == (some, NONE, NONE)
     assert Louder().at(SPEED, 0) == 1.0

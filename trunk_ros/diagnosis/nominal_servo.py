@@ -91,36 +91,35 @@ def with_its_servo(model: Model, recordings: Sequence[Recording], known: Servos 
 
 def with_its_setpoints(model: Model, recordings: Sequence[Recording]) -> Model:
     """A model that says its servos, with setpoints that are samples of what moves on between them, where it
-    does not say what they are, and loops near its own are then clearly nearer to the shafts; or its own are,
-    and no loops with setpoints that are held are clearly nearer: samples of a slow motion look like servos
-    that are quicker than told, by half of the time between two of them.
+    does not say what they are and loops that effects can make of its own are then clearly nearer to the
+    shafts: samples look like servos that are quicker than told, by half of the time between two of them.
     """
     if model.setpoints_stated or model.setpoints == SAMPLED:
         return model
-    told, near, explained = _left(model, recordings)
+    left, explained = _left(model, recordings)
     if explained:
         return model
     sampled = replace(model, setpoints=SAMPLED)
-    told_so, near_so, _ = _left(sampled, recordings)
-    as_stated = CLEARLY * told_so < told and told_so < CLEARLY * near
-    return sampled if as_stated or CLEARLY * near_so < near else model
+    return sampled if CLEARLY * _left(sampled, recordings)[0] < left else model
 
 
-def _left(model: Model, recordings: Sequence[Recording]) -> tuple[float, float, bool]:
-    """What the loops of a model leave, but for how they are described, and those near by, rms [rad], and
-    whether the former is hardly more than noise.
+def _left(model: Model, recordings: Sequence[Recording]) -> tuple[float, bool]:
+    """What loops like those of a model leave, rms [rad], of other gains, delays and top speeds, as effects
+    make them; and whether its own leave hardly more than noise, but for how they are described.
     """
-    numbers, left, explained = _numbers_of(model.arm), np.zeros(2), True
+    numbers, squares, explained = _numbers_of(model.arm), 0.0, True
     for context, column, joint in _moved(model, recordings):
         loop, told = Loop.of(context, column), numbers[:, joint]
         rest = but_for_a_lag(context, column, loop.residual(told))
-        cost = near = float(rest @ rest)
+        cost = float(rest @ rest)
         if not _is_explained(loop, cost):
             explained = False
-            start = loop.at(told)[: None if told[-1] else -1]
-            near = min(cost, loop.left(numbers_of(loop.fitted(start).x)))
-        left += np.array([cost, near]) * context.noise[column].std ** 2 / context.count(column)
-    return float(np.sqrt(left[0])), float(np.sqrt(left[1])), explained
+            tau_v, share = float(told[1]), None if told[-1] else -1
+            for top in (told[TOP_SPEED][0], fastest_of(context, column)):
+                start = loop.at(np.where(TOP_SPEED, top, told))[:share]
+                cost = min(cost, loop.left(numbers_of(loop.fitted(start, tau_v=tau_v).x, tau_v)))
+        squares += cost * context.noise[column].std ** 2 / context.count(column)
+    return float(np.sqrt(squares)), explained
 
 
 def _identified(

@@ -84,12 +84,14 @@ class Loop:
         moved = here.whitened(self.pulled, self.column) - rest
         return rest - moved * float(rest @ moved) / max(float(moved @ moved), TINY)
 
-    def fitted(self, start: Array, method: Literal["dogbox", "trf"] = "trf") -> Any:
-        """From a start, (4,) or (5,)."""
+    def fitted(
+        self, start: Array, method: Literal["dogbox", "trf"] = "trf", tau_v: float | None = None
+    ) -> Any:
+        """From a start, (4,) or (5,); with a velocity loop of that ``tau_v`` where it is given."""
         usual, low, high = STEPS[: len(start)], self.low[: len(start)], self.high[: len(start)]
 
         def residual(x: Array) -> Array:
-            return self.residual(numbers_of(x))
+            return self.residual(numbers_of(x, tau_v))
 
         def slopes(x: Array) -> Array:
             base = residual(x)
@@ -99,8 +101,10 @@ class Loop:
         return least_squares(residual, start, slopes, (low, high), method, x_scale="jac", max_nfev=60)
 
 
-def numbers_of(x: Array) -> Array:
-    """(5,) as in SERVO_OF_EACH of what is fitted, without the share of the speed (4,) or with it (5,)."""
+def numbers_of(x: Array, tau_v: float | None = None) -> Array:
+    """(5,) as in SERVO_OF_EACH of what is fitted, without the share of the speed (4,) or with it (5,); with
+    that ``tau_v`` where it is given.
+    """
     kp, swings, fastest = np.exp(x[:3])
     share = float(x[4]) if len(x) > 4 else 0.0
-    return np.array([kp, swings / kp, fastest, x[3], share])
+    return np.array([kp, swings / kp if tau_v is None else tau_v, fastest, x[3], share])

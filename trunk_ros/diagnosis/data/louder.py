@@ -14,7 +14,7 @@ from trunk_ros.guards import ROUNDS
 from trunk_ros.recording.signal.encoder import ALTERNATES
 
 GROUPS = 8  # of samples, by speed
-BESIDE, ON_TOP = 2.0, 1.0
+IN_POWER, IN_SIZE = 2.0, 1.0
 """Powers in which the noise of motion adds to that at rest: another noise beside it, or as a share of it."""
 
 
@@ -23,7 +23,7 @@ class Growth:
     """Noise that is (1 + (rate speed)^power)^(1/power) times that at rest; ``rate`` in s/rad."""
 
     rate: float = 0.0
-    power: float = BESIDE
+    power: float = IN_POWER
 
     def at(self, speed: Array) -> Array:
         """Noise over that at rest, at speeds (n,) rad/s."""
@@ -80,7 +80,7 @@ def growth(residuals: Sequence[Array], speeds: Sequence[Array], masks: Sequence[
         return NONE
     chance = max(off_by_chance(int(count)) for count in np.bincount(group))
     laws = []
-    for power in (BESIDE, ON_TOP):
+    for power in (IN_POWER, IN_SIZE):
         powers = np.array([np.mean(speed[group == g] ** power) for g in range(GROUPS)])
         rest, rising = _line(powers, each**power)
         law = np.maximum(rest + rising * powers, 0.0) ** (2.0 / power)
