@@ -115,9 +115,9 @@ def _left(model: Model, recordings: Sequence[Recording]) -> tuple[float, bool]:
         if not _is_explained(loop, cost):
             explained = False
             tau_v, share = float(told[1]), None if told[-1] else -1
-            for top in (told[TOP_SPEED][0], fastest_of(context, column)):
+            for top, method in product((told[TOP_SPEED][0], fastest_of(context, column)), METHODS):
                 start = loop.at(np.where(TOP_SPEED, top, told))[:share]
-                cost = min(cost, loop.left(numbers_of(loop.fitted(start, tau_v=tau_v).x, tau_v)))
+                cost = min(cost, loop.left(numbers_of(loop.fitted(start, method, tau_v).x, tau_v)))
         squares += cost * context.noise[column].std ** 2 / context.count(column)
     return float(np.sqrt(squares)), explained
 
