@@ -138,11 +138,9 @@ def servo_span(recording: Recording, model: ArmModel) -> Span:
     """
     setpoints, gearbox = recording.require("setpoints"), recording.require("gearbox_states")
     joints = servo_joints(recording, model)
-    setpoints, gearbox = setpoints.select(joints), gearbox.select(joints)
+    setpoints, shown = setpoints.select(joints), recording.series.get("joint_states")
     told = np.isfinite(setpoints.position).any(axis=0)
     setpoints = given(setpoints, model)
-    shown = recording.series.get("joint_states")
-    setpoints = given(setpoints.select(joints), model)
     gearbox = new_motor_readings(gearbox.select(joints), shown)[0]
     asked = all_setpoints(recording, joints, model) or setpoints
     grid, rows, kept = joint_grid(asked.stamp, gearbox.stamp, fine=False)
@@ -158,8 +156,6 @@ def servo_span(recording: Recording, model: ArmModel) -> Span:
     target = np.where(valid, measured, 0.0)
     unknown = (np.empty(0, dtype=int),) * len(joints)
     known = felt(recording, arm, grid)
-    at_wires = at_joints(gearbox, arm, measured=False)
-    known = resistance(arm.uncoupled(), at_wires, grid, arm.driven(phi), shown)
     return Span(
         recording.name, joints, grid, source, velocity, rows, target, valid, phi, unknown, known, anew=anew
     )

@@ -16,9 +16,8 @@ from trunk_ros.diagnosis.evidence.evidence import UNNAMED, Evidence
 from trunk_ros.diagnosis.evidence.residual_dependence import depends_on, rests
 from trunk_ros.diagnosis.evidence.spreads import Spreads
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
-from trunk_ros.diagnosis.levels import LITTLE, MOST, ROUGH, SLIGHT, SURE
-from trunk_ros.diagnosis.stage import Stage
 from trunk_ros.diagnosis.levels import MOST, ROUGH, SLIGHT, SURE
+from trunk_ros.diagnosis.stage import Stage
 from trunk_ros.diagnosis.verdict import bank_words, curve_words
 from trunk_ros.diagnosis.verdict.answer import Unexplained
 from trunk_ros.diagnosis.verdict.finding import UNKNOWN, Finding, evidence_of
