@@ -24,7 +24,7 @@ from trunk_ros.diagnosis.levels import CLEARLY, LITTLE, SEVERAL, THREEFOLD
 from trunk_ros.diagnosis.search.formed import but_for_a_lag
 from trunk_ros.diagnosis.search.score import SIGNIFICANT
 from trunk_ros.diagnosis.servo import ServoStage
-from trunk_ros.diagnosis.servo_loop import Loop, fastest_of, numbers_of
+from trunk_ros.diagnosis.servo_loop import STEPS, Loop, fastest_of, numbers_of
 from trunk_ros.effects.servo.loop import STEP
 from trunk_ros.model import Model
 from trunk_ros.recording.recording import Recording
@@ -96,30 +96,45 @@ def with_its_setpoints(model: Model, recordings: Sequence[Recording]) -> Model:
     """
     if model.setpoints_stated or model.setpoints == SAMPLED:
         return model
-    left, explained = _left(model, recordings)
-    if explained:
+    if not any(_leads(*seen, model, recordings) for seen in _moved(model, recordings)):
         return model
     sampled = replace(model, setpoints=SAMPLED)
-    return sampled if CLEARLY * _left(sampled, recordings)[0] < left else model
+    left, less = (_left(each, recordings) for each in (model, sampled))
+    return sampled if CLEARLY * less < left else model
 
 
-def _left(model: Model, recordings: Sequence[Recording]) -> tuple[float, bool]:
-    """What loops like those of a model leave, rms [rad], of other gains, delays and top speeds, as effects
-    make them; and whether its own leave hardly more than noise, but for how they are described.
+def _leads(context: Context, column: int, joint: int, model: Model, recordings: Sequence[Recording]) -> bool:
+    """Whether a shaft is ahead of the model's loop by a fourth of the time between two setpoints or more, as
+    far as another gain does not say so: held setpoints come half of it late. A linear look, which is cheap.
     """
-    numbers, squares, explained = _numbers_of(model.arm), 0.0, True
+    loop, told = Loop.of(context, column), _numbers_of(model.arm)[:, joint]
+    rest = but_for_a_lag(context, column, loop.residual(told))
+    if _is_explained(loop, float(rest @ rest)):
+        return False
+    at, tau_v = loop.at(told), float(told[1])
+    base = loop.residual(numbers_of(at, tau_v))
+    gain, late = (loop.residual(numbers_of(at + np.diag(STEPS)[k], tau_v)) - base for k in (0, 3))
+    steps = np.linalg.lstsq(np.column_stack([gain, late]), -base, rcond=None)[0]
+    period = max(float(np.median(np.diff(r.require("setpoints").stamp))) for r in recordings)
+    return bool(steps[1] * STEPS[3] < -period / 4.0)
+
+
+def _left(model: Model, recordings: Sequence[Recording]) -> float:
+    """What loops like those of a model leave, rms [rad], of other gains, delays and top speeds, as effects
+    make them.
+    """
+    numbers, squares = _numbers_of(model.arm), 0.0
     for context, column, joint in _moved(model, recordings):
         loop, told = Loop.of(context, column), numbers[:, joint]
         rest = but_for_a_lag(context, column, loop.residual(told))
         cost = float(rest @ rest)
         if not _is_explained(loop, cost):
-            explained = False
             tau_v, share = float(told[1]), None if told[-1] else -1
             for top, method in product((told[TOP_SPEED][0], fastest_of(context, column)), METHODS):
                 start = loop.at(np.where(TOP_SPEED, top, told))[:share]
                 cost = min(cost, loop.left(numbers_of(loop.fitted(start, method, tau_v).x, tau_v)))
         squares += cost * context.noise[column].std ** 2 / context.count(column)
-    return float(np.sqrt(squares)), explained
+    return float(np.sqrt(squares))
 
 
 def _identified(
