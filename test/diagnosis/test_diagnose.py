@@ -125,13 +125,6 @@ def test_the_model_found_predicts_another_run_of_the_same_arm(effect: str, form:
     assert error["after"] < 0.05 * error["before"]
 
 
-def test_a_dead_band_that_is_narrower_than_stated_is_no_creep() -> None:
-    """Creep before the friction, of nothing and under friction alone, had let the wire play less."""
-    (found,) = diagnose([of_the_wires(recorded({"backlash": {"half_width": on(3, -2e-4)}}))]).findings
-    assert (found.effect, found.joints) == ("backlash", ["joint_3"])
-    assert found.parameters["joint_3"]["half_width"]["value"] == pytest.approx(-2e-4, rel=0.05)
-
-
 def test_a_joint_that_stood_somewhere_in_its_play_for_long_is_no_finding() -> None:
     whole = recorded(seconds=50.0, seed=4)
     arm = SHORT.arm

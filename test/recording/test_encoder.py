@@ -61,11 +61,6 @@ ROWS = np.tile(np.repeat(np.arange(13), 13), 7)  # of a raster of stations
 ASKED = np.random.default_rng(0).integers(-90, 90, 200)  # whole degrees
 
 
-@pytest.mark.parametrize("places", [0.25 * ROWS - 1.5, 0.2 * (ROWS % 9)])
-def test_a_raster_of_stations_is_no_encoder_s_grid(places: np.ndarray) -> None:
-    assert count(places) == 0.0
-
-
 @pytest.mark.parametrize("places", [0.25 * ROWS - 1.5, np.deg2rad(ASKED)])
 def test_where_a_recording_stops_to_measure_a_grid_was_asked_for(places: np.ndarray) -> None:
     asked = series(places, np.arange(float(len(places))))

@@ -1,6 +1,4 @@
-"""An added dead band at reversal, or a narrower one than stated, whatever the load, speed or amplitude."""
-
-import numpy as np
+"""An added dead band at reversal, whatever the load, speed or amplitude."""
 
 from trunk_ros.effects.core import Core
 from trunk_ros.effects.effect import Effect, Now
@@ -8,7 +6,7 @@ from trunk_ros.parameter import Parameter
 
 
 class Backlash(Effect):
-    """w += half_width, w >= 0."""
+    """w += half_width."""
 
     id = "backlash"
     sizes = ("half_width",)
@@ -22,8 +20,8 @@ class Backlash(Effect):
         Parameter(
             "half_width",
             "rad",
-            (-1.0, 1.0),
-            "added half-width of the dead band; negative: it is narrower than stated",
+            (0.0, 1.0),
+            "added half-width of the dead band",
             typical=3e-4,
             scan=(3e-4, 3e-3),
         ),
@@ -35,4 +33,4 @@ class Backlash(Effect):
     )
 
     def adjust(self, core: Core, now: Now) -> None:
-        core.width = np.maximum(core.width + self["half_width"], 0.0)
+        core.width = core.width + self["half_width"]

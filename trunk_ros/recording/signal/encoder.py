@@ -91,13 +91,11 @@ def count(readings: Floats) -> float:
 
 
 def _rounded(readings: Floats) -> bool:
-    """Whether readings (n,), in counts, are an encoder's: their steps are of many kinds, side by side,
-    or, of a joint too slow for that, change all the time. What goes along a grid and leaps from its end to
-    its beginning, as a raster of stations, has no steps between.
+    """Whether readings (n,), in counts, are an encoder's: their steps are of many kinds, or, of a joint too
+    slow for that, change all the time.
     """
     moved = np.abs(np.diff(readings))
-    kinds = np.unique(moved)
-    if np.isin(kinds, [kinds - 1.0, kinds + 1.0]).sum() >= KINDS:
+    if len(np.unique(moved)) >= KINDS:
         return True
     return len(np.unique(readings)) >= MANY and float(np.mean(np.diff(moved) != 0.0)) > VARIES
 
