@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from trunk_ros.compiled import Array
+from trunk_ros.effects.now import Now
 from trunk_ros.effects.periods import periods
+from trunk_ros.effects.wire.transmission_ripple import TransmissionRipple
 
 STATIONS = np.linspace(-3.5, 3.5, 13)  # as far apart as those of a published cable robot
 RASTER = np.tile(np.concatenate([STATIONS, STATIONS[::-1]]), 40)
@@ -44,3 +48,18 @@ def test_three_places_tell_of_no_wave_that_they_hold_a_period_of() -> None:
     places = np.tile([-1.0, 0.0, 1.0, 0.0], 200)
     noise = np.random.default_rng(0).normal(size=len(places))
     assert periods(places, np.sin(30.0 * places) + noise, 1.05 * np.pi, 120.0) == ()
+
+
+def test_the_steps_of_a_joints_own_encoder_are_no_ripple() -> None:
+    """A 12 bit encoder without noise to round, of a joint that moves little and slowly."""
+    stamp, step = np.arange(0.0, 40.0, 0.01), 2.0 * np.pi / 4096.0
+    motor = (0.02 * np.sin(0.9 * stamp) + 0.01 * np.sin(2.3 * stamp))[:, None]
+    still, rest = np.zeros_like(motor), (step * np.round(motor / step) - motor)[:, 0]
+    seen = Now(stamp, np.full(4000, 0.01), motor, still, still, motor, motor, ("joint_1",), np.ones(1))
+
+    def found(grain: float) -> list[float]:
+        ripples = TransmissionRipple({}).starts(replace(seen, grain=grain), 0, rest)
+        return [float(start["cycles_per_rev"]) for start in ripples]
+
+    assert found(0.0)[0] == pytest.approx(4096.0, rel=0.02)
+    assert all(cycles < 2048.0 for cycles in found(step))

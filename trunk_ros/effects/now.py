@@ -50,6 +50,8 @@ class Now:
     """With the payload that it carries; None where its links' masses are of no account."""
     carried: Payload = NOTHING
     """What it takes up and puts down besides."""
+    grain: float = 0.0
+    """rad from one reading of the joint's own encoder to the next, 0 where they lie on no grid."""
     unseen: Array = field(default_factory=lambda: np.empty((0, 2)))
     """(k, 2) s between which nobody saw the motor: ``gearbox`` is a guess there."""
 

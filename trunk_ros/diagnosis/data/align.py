@@ -76,7 +76,9 @@ def wire_span(recording: Recording, model: ArmModel) -> Span:
     span = Span(
         recording.name, joints, grid, phi, velocity, rows, target, valid, phi, start, known, held, grain
     )
-    span = replace(span, unsure=(1e-6 * _unsure(recording, "skew"), _unsure(recording, "early")))
+    span = replace(
+        span, shown=counts(measured), unsure=(1e-6 * _unsure(recording, "skew"), _unsure(recording, "early"))
+    )
     if not stops_to_measure(gearbox.stamp):
         span = replace(span, lost=unseen(gearbox))
     if stops_to_measure(span.stamp):

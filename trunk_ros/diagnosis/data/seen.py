@@ -109,6 +109,7 @@ def now_of(view: View, arm: Arm, column: int, payload: Payload = NOTHING) -> Now
         columns=(column,),
         arm=replace(arm, payload=arm.payload + payload.own) if payload.own else arm,
         carried=NOTHING if payload.always else payload,
+        grain=0.0 if view.span.shown is None else float(view.span.shown[column]),
         unseen=view.span.lost[column] if view.span.lost else np.empty((0, 2)),
     )
     seen.known = Inertia(view, payload)
@@ -143,7 +144,7 @@ def joined(each: Sequence[Now]) -> Now:
 def at(now: Now, rows: np.ndarray) -> Now:
     """The surroundings at some steps (k,) alone, the time between them with them."""
     asked = ("load", "wires", "speeds") if isinstance(now, Seen) else ()
-    whole = {"joints", "ratio", "held", "columns", "arm", "carried", "dt", "unseen", *asked}
+    whole = {"joints", "ratio", "held", "columns", "arm", "carried", "dt", "unseen", "grain", *asked}
     steps = {f.name: getattr(now, f.name)[rows] for f in fields(now) if f.name not in whole}
     steps |= {name: partial(_some, now, name, rows) for name in asked}
     out = replace(now, **steps, dt=np.diff(steps["stamp"], prepend=steps["stamp"][:1]))

@@ -39,6 +39,8 @@ class Span:
     counts: Array | None = None
     """(joints,) rad of the gearbox per step of its encoder, 0 where readings lie on no grid; more where noise
     scatters them more than such steps."""
+    shown: Array | None = None
+    """(joints,) rad from one reading of a joint's own encoder to the next, 0 where they lie on no grid."""
     before: int = 0
     """Rows of the grid that stand for what moved before the recording, at the time of its first sample."""
     arrives: np.ndarray = field(default_factory=lambda: np.zeros(0, dtype=int))

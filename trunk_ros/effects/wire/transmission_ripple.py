@@ -145,7 +145,7 @@ class TransmissionRipple(Effect):
         phi, orders = now.gearbox[:, column], list[float]()
         left, waves = rest, np.zeros((0, 2))
         for _ in range(2):
-            lines = self._lines(phi, left)
+            lines = self._lines(now, column, left)
             if not lines:
                 return []
             orders.append(lines[0])
@@ -163,10 +163,13 @@ class TransmissionRipple(Effect):
         """Only ripples of which the motion spans a period can be told from a bent curve."""
         if parameter.name != "cycles_per_rev" or rest is None:
             return super().grid(parameter, now, column, rest)
-        return self._lines(now.gearbox[:, column], rest)
+        return self._lines(now, column, rest)
 
     @classmethod
-    def _lines(cls, phi: Array, rest: Array) -> tuple[float, ...]:
+    def _lines(cls, now: Now, column: int, rest: Array) -> tuple[float, ...]:
+        """None as fine as two steps of the joint's own encoder: those are what its rounding leaves."""
+        phi = now.gearbox[:, column]
         least = next(p for p in cls.parameters if p.name == "cycles_per_rev").bounds[0]
         least = max(least, LEAST * 2 * np.pi / max(float(np.ptp(phi)), 1e-3))
-        return periods(phi, rest, least, min(max(USUAL, finest(phi)), MOST))
+        own = np.pi * abs(float(now.ratio[column])) / now.grain if now.grain else MOST
+        return periods(phi, rest, least, min(max(USUAL, finest(phi)), own, MOST))
