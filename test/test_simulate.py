@@ -5,6 +5,7 @@ import dataclasses
 import numpy as np
 import pytest
 
+from test.diagnosis.arms import recorded, reshaped
 from trunk_ros.model import Model, load_model
 from trunk_ros.recording.recording import JointSeries, Recording
 from trunk_ros.simulate import simulate
@@ -124,3 +125,14 @@ def test_turns_of_a_gearbox_that_wraps_are_counted_on(whole, model):
     wrapped = simulate(dataclasses.replace(whole, series=series), model).series["joint_states"]
     right = simulate(whole, model).series["joint_states"]
     np.testing.assert_allclose(wrapped.position, right.position, atol=1e-9)
+
+
+def test_what_is_predicted_from_setpoints_does_not_go_by_how_the_motors_went() -> None:
+    """Of the load they are told the recorded torque at most: inertia is that of the course itself."""
+    arm = dataclasses.replace(load_model("trunk").arm, load_from="weight_and_inertia")
+    model = Model(arm, {"load_droop": {"gain": 0.02}})
+    made = recorded(seconds=5.0)
+    went = made.series["gearbox_states"]
+    other = reshaped(made, "gearbox_states", position=2.0 * went.position)
+    one, same = (simulate(each, model, "setpoints").series["gearbox_states"] for each in (made, other))
+    assert same.position == pytest.approx(one.position, abs=1e-12)

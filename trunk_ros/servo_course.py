@@ -28,12 +28,13 @@ def servo_course(
     setpoints: JointSeries, wanted: Floats, model: ArmModel, seen: Recording | None = None
 ) -> JointSeries:
     """Gearbox angles of the model's servos under setpoints, at the stamps ``wanted`` (n,) s, under the
-    load that was ``seen`` beside them.
+    torque or load cells that were ``seen`` beside them: other loads go by the course itself.
     """
     grid, rows, kept = joint_grid(setpoints.stamp, wanted, fine=False, beyond=True)
     last = np.clip(np.searchsorted(setpoints.stamp, grid + SAME, side="right") - 1, 0, None)
     held, chain = hold(setpoints.position), Chain(model.only(setpoints.joints), "servo")
-    known = None if seen is None else felt(seen, model.only(setpoints.joints).arm, grid)
+    arm = model.only(setpoints.joints).arm
+    known = felt(seen, arm, grid) if seen is not None and arm.load_from == "effort" else None
     phi, state = np.empty((len(grid), held.shape[1])), None
     for first in range(0, len(grid), AT_ONCE):
         piece = slice(first, first + AT_ONCE)

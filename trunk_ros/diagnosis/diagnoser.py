@@ -17,6 +17,7 @@ from trunk_ros.diagnosis.data.mix_ups import MixUp, as_if_standing
 from trunk_ros.diagnosis.data.other_simulator import shifted
 from trunk_ros.diagnosis.data.quality import quality_by_name
 from trunk_ros.diagnosis.data.sensing.thinned import how_far_off
+from trunk_ros.diagnosis.evidence.at_rest import honest
 from trunk_ros.diagnosis.evidence.cross_validation import Error
 from trunk_ros.diagnosis.evidence.evidence import Evidence
 from trunk_ros.diagnosis.evidence.residual_dependence import rests as powers
@@ -239,7 +240,7 @@ class Diagnoser:
         effects, said = state.hypothesis.model_effects(len(stage.joints)), {f.effect for f in new}
         had = {name: v for name, v in self.model.effects.items() if effect(name).stage == stage.name}
         self.effects |= on_the_arm(effects, had, stage.joints, self.model.arm.joints, said)
-        run = free_run(context, state.hypothesis)
+        run = honest(free_run(context, state.hypothesis), state.hypothesis)
         rests = left_over(run, state.hypothesis)
         self.result.unexplained += rests
         strong = {stage.joints[c] for c, p in powers(run, state.hypothesis).items() if p > 1.0}

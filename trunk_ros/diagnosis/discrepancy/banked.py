@@ -11,6 +11,7 @@ from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.discrepancy.bank_weights import CUTS, Cuts, Source
 from trunk_ros.diagnosis.discrepancy.curves import curves_beside, redrawn
 from trunk_ros.diagnosis.discrepancy.memory import drawn, redrawn_banks, sources, without_banks
+from trunk_ros.diagnosis.evidence.at_rest import honest
 from trunk_ros.diagnosis.evidence.residual_dependence import rests
 from trunk_ros.diagnosis.hypothesis import Hypothesis
 from trunk_ros.diagnosis.levels import HARDLY, NOTABLE, SLIGHT
@@ -29,7 +30,7 @@ def with_banks(state: Fit) -> Fit:
     context = state.context
     if context.stage.name != "wire":
         return state
-    left = rests(context, state.hypothesis)
+    left = rests(honest(context, state.hypothesis), state.hypothesis)
     for column in [c for c, power in left.items() if power > 1.0]:
         misfit = context.formed_misfit[column] / context.count(column)
         if left[column] > CURVE * FORMULAS * misfit:

@@ -9,7 +9,6 @@ from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.data.motion_content import PLACES
 from trunk_ros.diagnosis.discrepancy.curves import variables
 from trunk_ros.diagnosis.discrepancy.spectrum import spectrum
-from trunk_ros.diagnosis.evidence.at_rest import honest
 from trunk_ros.diagnosis.hypothesis import Hypothesis
 from trunk_ros.diagnosis.levels import HALF, PART, ROUGHLY, SLIGHT, SURE
 from trunk_ros.diagnosis.search.formed import behind, but_for_a_lag, off_by
@@ -19,9 +18,8 @@ from trunk_ros.recording.signal.resample import SLOW
 
 def rests(context: Context, hypothesis: Hypothesis) -> dict[int, float]:
     """Columns whose residual is above the noise, and what the model's own laws may be off by: power over the
-    noise's, less one.
+    noise's, less one. Of the noise as the context has it, see ``at_rest.honest``.
     """
-    context = honest(context, hypothesis)
     power = {c: _power(context, hypothesis, c) for c in context.columns}
     least = {c: max(context.rest(c), _of_laws(context, c) / context.count(c)) for c in power}
     return {c: p for c, p in power.items() if p > least[c] and _coherent(context, hypothesis, c)}

@@ -10,7 +10,6 @@ import numpy as np
 
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.data.noise import is_none
-from trunk_ros.diagnosis.evidence.at_rest import honest
 from trunk_ros.diagnosis.evidence.determined import Determined
 from trunk_ros.diagnosis.evidence.evidence import UNNAMED, Evidence
 from trunk_ros.diagnosis.evidence.residual_dependence import depends_on, rests
@@ -182,7 +181,6 @@ def left_over(context: Context, hypothesis: Hypothesis) -> list[Unexplained]:
     together.
     """
     found: dict[tuple[str, ...], list[tuple[str, float, float]]] = {}
-    context = honest(context, hypothesis)
     for column, power in rests(context, hypothesis).items():
         if power < 1.0:
             continue

@@ -7,7 +7,7 @@ import numpy as np
 
 from trunk_ros.compiled import Array
 from trunk_ros.effects.effect import Effect, Now
-from trunk_ros.effects.sources import STANDS, check_source, others
+from trunk_ros.effects.sources import STANDS, check_sources
 from trunk_ros.effects.wire.play import SharpPlay
 from trunk_ros.parameter import Parameter
 
@@ -87,12 +87,7 @@ class JointCoupling(Effect):
 
     def check(self, joints: tuple[str, ...]) -> None:
         super().check(joints)
-        for gain, text in self.pairs():
-            for column, (value, source) in enumerate(
-                zip(self[gain], self.words.get(text, ("",) * len(joints)), strict=True)
-            ):
-                if value != 0.0:
-                    check_source(self.id, text, joints[column], source, others(joints, joints[column]))
+        check_sources(self.id, self.pairs(), self.values, self.words, joints)
 
     def pairs(self) -> list[tuple[str, str]]:
         """Names of each gain and the source that belongs to it."""

@@ -6,7 +6,7 @@ import numpy as np
 
 from trunk_ros.compiled import Array
 from trunk_ros.effects.effect import Effect, Now
-from trunk_ros.effects.sources import STANDS, check_source, others
+from trunk_ros.effects.sources import STANDS, check_sources
 from trunk_ros.parameter import Parameter
 
 LEAST = 0.05  # of its ratio that a joint keeps: past that the first term of the expansion says nothing
@@ -54,10 +54,7 @@ class PostureRatio(Effect):
 
     def check(self, joints: tuple[str, ...]) -> None:
         super().check(joints)
-        for column, gain in enumerate(self["gain"]):
-            if gain != 0.0:
-                source = self.words.get("source", ("",) * len(joints))[column]
-                check_source(self.id, "source", joints[column], source, others(joints, joints[column]))
+        check_sources(self.id, [("gain", "source")], self.values, self.words, joints)
 
     def _ratio(self, now: Now) -> Array:
         """(n, columns) the ratio over its nominal one."""

@@ -7,7 +7,7 @@ import numpy as np
 from trunk_ros.compiled import Array
 from trunk_ros.effects.core import Core
 from trunk_ros.effects.effect import Effect, Now
-from trunk_ros.effects.sources import STANDS, check_source, others
+from trunk_ros.effects.sources import STANDS, check_sources
 from trunk_ros.parameter import Parameter
 
 SOURCES = 3
@@ -56,11 +56,7 @@ class WrapFriction(Effect):
 
     def check(self, joints: tuple[str, ...]) -> None:
         super().check(joints)
-        for parameter, text in zip(self.parameters, self.texts, strict=True):
-            sources = self.words.get(text, ("",) * len(joints))
-            for column, (gain, source) in enumerate(zip(self[parameter.name], sources, strict=True)):
-                if gain != 0.0:
-                    check_source(self.id, text, joints[column], source, others(joints, joints[column]))
+        check_sources(self.id, zip(self.sizes, self.texts, strict=True), self.values, self.words, joints)
 
     def _added(self, now: Now) -> Array | None:
         """(n, columns) rad of half-width that the sources add, if any do."""
