@@ -11,7 +11,8 @@ import numpy as np
 from trunk_ros.arm import Arm
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.data.louder import CONSTANT, Louder
-from trunk_ros.diagnosis.data.noise import Noise, differences_of, off_by_chance, strides_within
+from trunk_ros.diagnosis.data.noise import Noise, off_by_chance, strides_within
+from trunk_ros.diagnosis.data.noises import Rest, noises
 from trunk_ros.diagnosis.data.seen import at, now_of
 from trunk_ros.diagnosis.data.span import Span
 from trunk_ros.diagnosis.data.surroundings import View
@@ -28,7 +29,6 @@ from trunk_ros.recording.signal.resample import SLOW
 
 LEAST = 50  # valid samples without which a joint cannot be judged
 OFTEN = 0.02  # s between samples that show what lies between them
-PLAIN = 0.25  # of the joints: so many show little but noise
 
 
 @dataclass(frozen=True, eq=False)
@@ -105,19 +105,15 @@ class Context:
         return replace(self, views=views, look=self.look + (not same), shown_before={}, _cache={})
 
     def weighed(self, hypothesis: Hypothesis) -> Context:
-        """With the noise that a hypothesis leaves: a size for each joint, one colour for all, as the joints'
-        sensors are alike. Some joints may have more than noise left, which only adds to the colour that is
-        seen.
-        """
-        longest = strides_within(self.step)
-        seen = []
-        for column in range(len(self.joints)):
-            residuals, strides = self.evened(hypothesis, column), 1 if column in self.formed else longest
-            masks = [view.span.valid[:, column] for view in self.views]
-            seen.append(differences_of(residuals, masks, strides, self.stage.steps[column]))
-        judged = [s.correlation for c, s in enumerate(seen) if len(s.strides) > 1 and self.count(c) >= LEAST]
-        colour = float(np.quantile(judged, PLAIN)) if judged else 0.0
-        found = [s.noise(colour if len(s.strides) > 1 else 0.0) for s in seen]
+        """With the noise that a hypothesis leaves."""
+        longest, rests = strides_within(self.step), []
+        for c, step in enumerate(self.stage.steps):
+            masks, strides = (
+                [view.span.valid[:, c] for view in self.views],
+                1 if c in self.formed else longest,
+            )
+            rests.append(Rest(self.evened(hypothesis, c), masks, strides, step, self.count(c) >= LEAST))
+        found = noises(rests, [view.span.neighbours for view in self.views] if self.step >= SLOW else ())
         told = tuple(self.wanders.get(c, noise) for c, noise in enumerate(self.stage.noises(found)))
         return replace(self, noise=told, shown_before={})
 

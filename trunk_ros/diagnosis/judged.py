@@ -9,7 +9,7 @@ from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.discrepancy.from_the_start import from_the_start
 from trunk_ros.diagnosis.evidence.as_given import as_given
 from trunk_ros.diagnosis.evidence.cross_validation import Error
-from trunk_ros.diagnosis.evidence.evidence import Evidence, banks_evidence
+from trunk_ros.diagnosis.evidence.evidence import Evidence, as_unseen, banks_evidence
 from trunk_ros.diagnosis.evidence.no_worse import no_worse
 from trunk_ros.diagnosis.evidence.one_arm import contradiction
 from trunk_ros.diagnosis.evidence.spreads import Spreads, spreads
@@ -62,5 +62,5 @@ def judged(context: Context, settle: float, say: Callable[[str], None]) -> Judge
         part = kept if part is state else costed(part.context, kept.hypothesis)
         found = {name: told for name, told in found.items() if name in kept.hypothesis}
         std, state = spreads(kept), kept
-    found = found | banks_evidence(state, found)
+    found = as_unseen(state, found | banks_evidence(state, found), errors)
     return Judged(state, part, found, std, errors, early)

@@ -9,6 +9,7 @@ import numpy as np
 
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.data.bursts import Burst
+from trunk_ros.diagnosis.data.revisited import neighbours
 from trunk_ros.resistance import Resistance
 
 
@@ -74,6 +75,11 @@ class Span:
     def stamp(self) -> Array:
         """(n,) s, of the measured rows."""
         return np.asarray(self.measured(self.grid))
+
+    @cached_property
+    def neighbours(self) -> np.ndarray:
+        """(n,) the measured row at the place nearest to that of each."""
+        return neighbours(self.measured(self.source))
 
     @cached_property
     def loud(self) -> Array | None:

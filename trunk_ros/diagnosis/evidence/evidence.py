@@ -8,6 +8,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from trunk_ros.diagnosis.cores import each
+from trunk_ros.diagnosis.evidence.cross_validation import Error
 from trunk_ros.diagnosis.evidence.rivals import FAR, Looks, by_its_own_angles, loss, rivals
 from trunk_ros.diagnosis.evidence.sets import pairs
 from trunk_ros.diagnosis.evidence.unseen import unrepeated
@@ -92,6 +93,23 @@ def doubt(state: Fit, columns: Iterable[int]) -> float:
     make, and as much as is left there, since whatever that is may stand behind the name as well.
     """
     return sum(max(need(state.context, c, state.rest(c)), state.rest(c)) for c in columns)
+
+
+def as_unseen(state: Fit, found: Mapping[str, Evidence], errors: Mapping[int, Error]) -> dict[str, Evidence]:
+    """Evidence for names, no surer than they are beside what is left of blocks that the fit has not seen: it
+    may stand behind them as well.
+    """
+    left = {
+        c: max(e.after**2 - e.noise_floor**2, 0.0) / state.context.noise[c].std ** 2 * state.context.count(c)
+        for c, e in errors.items()
+    }
+    out = dict(found)
+    for name, told in found.items():
+        rest = sum(left.get(c, 0.0) for c in told.gain)
+        if effect(name).named and rest > doubt(state, told.gain):
+            sure = likely(rest, sum(told.gain.values()), [])
+            out[name] = replace(told, confidence=min(told.confidence, sure))
+    return out
 
 
 def _showing(state: Fit, whole: Fit, name: str) -> Fit:
