@@ -68,6 +68,15 @@ def test_a_jump_that_stays_and_one_sample_of_a_fast_move_are_not_wild(step):
     assert not wild(readings).any()
 
 
+def test_a_motor_that_mostly_stands_and_moves_as_the_recording_ends_is_not_wild():
+    readings = 1e-6 * np.random.default_rng(0).standard_normal(5000)
+    readings[2000:2050] += np.linspace(0.0, 0.3, 50)
+    readings[2050:] += 0.3
+    readings[-40:] += np.linspace(0.0, 0.3, 40)
+    assert not wild(readings).any()
+    assert not wild(readings[::-1]).any()
+
+
 def test_stop_and_measure_commands_are_not_wild():
     assert not wild(np.random.default_rng(0).uniform(-1, 1, 500)).any()
 

@@ -93,7 +93,9 @@ def without_wild(recording: Recording) -> Recording:
 
 
 def wild(readings: Array) -> np.ndarray:
-    """(n,) single readings that are off by far more than most steps (n,), while those beside them agree."""
+    """(n,) single readings that are off by far more than most steps (n,), while those beside them agree; the
+    first and the last, which have them on one side alone, by more than any other step.
+    """
     known = np.flatnonzero(np.isfinite(readings))
     out = np.zeros(len(readings), dtype=bool)
     step = np.abs(np.diff(readings[known]))
@@ -106,6 +108,8 @@ def wild(readings: Array) -> np.ndarray:
     before, after = beside[1:-3], beside[3:-1]
     off = np.abs(readings[known] - np.median([beside[:-4], before, after, beside[4:]], axis=0))
     found = (off > WILD * most) & (np.abs(after - before) < off / 2)
+    others = np.abs(np.diff(readings[known][1:-1][~found[1:-1]])).max(initial=0.0)
+    found[[0, -1]] &= off[[0, -1]] > CLEARLY * others
     out[known[found]] = found.mean() < FEW
     return out
 
