@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from typing import Self
 
 import numpy as np
 
@@ -115,11 +116,13 @@ class Context:
             rests.append(Rest(self.evened(hypothesis, c), masks, strides, step, self.count(c) >= LEAST))
         found = noises(rests, [view.span.neighbours for view in self.views] if self.step >= SLOW else ())
         told = tuple(self.wanders.get(c, noise) for c, noise in enumerate(self.stage.noises(found)))
-        return replace(self, noise=told, shown_before={})
+        return self.in_noise(told)
 
-    def doubting(self) -> Context:
-        """The same for what may stand in the place of what was found."""
-        return replace(self, doubts=True)
+    def in_noise(self, noise: Sequence[Noise]) -> Self:
+        """With another noise, in units of which misfits then are."""
+        shares = [(old.std / new.std) ** 2 for old, new in zip(self.noise or noise, noise, strict=True)]
+        scaled = [{c: m * shares[c] for c, m in some.items()} for some in (self.misfit, self.formed_misfit)]
+        return replace(self, noise=tuple(noise), misfit=scaled[0], formed_misfit=scaled[1], shown_before={})
 
     def over(self, spans: Sequence[Span]) -> Context:
         """The same noise over other spans of the same arm."""

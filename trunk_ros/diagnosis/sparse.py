@@ -27,7 +27,7 @@ class Sparse(Context):
         denser = replace(self.denser, work=self.work)
         found = noise_of_every(denser.seen_with(hypothesis).weighed(hypothesis).noise, self.every)
         told = tuple(self.wanders.get(c, noise) for c, noise in enumerate(found))
-        return replace(self, noise=told, shown_before={})
+        return self.in_noise(told)
 
 
 def noise_of_every(noise: Sequence[Noise], every: int) -> tuple[Noise, ...]:

@@ -127,7 +127,7 @@ def one_evidence(state: Fit, name: str) -> Evidence:
     out = Evidence(gain, needed(state, gain), strength(state, name))
     losses: list[float] = []
     if effect(name).named:
-        doubted = replace(bare, context=context.doubting())
+        doubted = replace(bare, context=replace(context, doubts=True))
         looks = Looks.of(doubted, context.judged(state.hypothesis[name]))
         fits = rivals(state, name, doubted, looks, limit or 1.0)
         out.rivals = {rival: lost for rival, (lost, _) in fits.items()}

@@ -63,7 +63,7 @@ def incomplete(best: Fit) -> bool:
 
 def better_of(best: Fit, other: Fit) -> Fit:
     """The better of two, both judged by the noise of the first."""
-    alike = replace(other.context, noise=best.context.noise)
+    alike = other.context.in_noise(best.context.noise)
     return other if beats(costed(alike, other.hypothesis), best) else best
 
 

@@ -60,7 +60,7 @@ def searched(context: Context, say: Callable[[str], None]) -> Searched:
     noise = (
         noise_of_every(state.context.noise, some.every) if isinstance(some, Sparse) else state.context.noise
     )
-    some = replace(first.context.seen_with(state.hypothesis), noise=noise)
+    some = first.context.seen_with(state.hypothesis).in_noise(noise)
     return Searched(state, refit(some, state.hypothesis), context.work.over or first.context.work.over)
 
 

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 from trunk_ros.diagnosis.arrivals import arrived
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.hypothesis import Hypothesis
@@ -57,7 +55,7 @@ def told_from_clocks(now: Fit) -> Fit:
         if context is None or context.work.over:
             break
         trial = renewed(refit(context, hypothesis))
-        alike = costed(replace(trial.context, noise=now.context.noise), trial.hypothesis)
+        alike = costed(trial.context.in_noise(now.context.noise), trial.hypothesis)
         pays = score(alike) + price < score(now) or (gone and alike.total < now.total)
         if pays and differ(trial.context, trial.hypothesis):
             found.append((score(alike), trial))

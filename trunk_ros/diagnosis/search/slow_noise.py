@@ -56,7 +56,7 @@ def wandering_in(context: Context, found: Mapping[int, Noise]) -> Context:
     """A context with the noise that was ``found`` of columns whose readings wander."""
     wanders = {**context.wanders, **found}
     noise = tuple(wanders.get(c, n) for c, n in enumerate(context.noise))
-    return replace(context, wanders=wanders, noise=noise, shown_before={})
+    return replace(context, wanders=wanders).in_noise(noise)
 
 
 def _wandering(
