@@ -60,8 +60,7 @@ def _likeliest(context: Context, hypothesis: Hypothesis, column: int) -> float:
 
 
 def _with(context: Context, beyond: Array) -> Context:
-    views = tuple(_arriving(view, beyond) for view in context.views)
-    return replace(context, views=views, shown_before={}, _cache={})
+    return context.viewing([_arriving(view, beyond) for view in context.views])
 
 
 def _arriving(view: View, beyond: Array) -> View:

@@ -96,6 +96,10 @@ class Context:
 
     # Other contexts.
 
+    def viewing(self, views: Sequence[View], anew: bool = False) -> Context:
+        """With other views of the same spans, and nothing that was kept of these; ``anew``: another look."""
+        return replace(self, views=tuple(views), look=self.look + anew, shown_before={}, _cache={})
+
     def seen_with(self, hypothesis: Hypothesis) -> Context:
         """With the angles that a hypothesis predicts, for coupling and load."""
         views = self.stage.seen(self, hypothesis)
@@ -103,16 +107,13 @@ class Context:
             return self
         pairs = zip(self.views, views, strict=True)
         same = all(old.apart(new.angles) < HARDLY * float(np.ptp(old.angles)) for old, new in pairs)
-        return replace(self, views=views, look=self.look + (not same), shown_before={}, _cache={})
+        return self.viewing(views, anew=not same)
 
     def weighed(self, hypothesis: Hypothesis) -> Context:
         """With the noise that a hypothesis leaves."""
         longest, rests = strides_within(self.step), []
         for c, step in enumerate(self.stage.steps):
-            masks, strides = (
-                [view.span.valid[:, c] for view in self.views],
-                1 if c in self.formed else longest,
-            )
+            masks, strides = [v.span.valid[:, c] for v in self.views], 1 if c in self.formed else longest
             rests.append(Rest(self.evened(hypothesis, c), masks, strides, step, self.count(c) >= LEAST))
         found = noises(rests, [view.span.neighbours for view in self.views] if self.step >= SLOW else ())
         told = tuple(self.wanders.get(c, noise) for c, noise in enumerate(self.stage.noises(found)))
@@ -127,7 +128,7 @@ class Context:
     def over(self, spans: Sequence[Span]) -> Context:
         """The same noise over other spans of the same arm."""
         stage = self.stage.over(spans)
-        return replace(self, stage=stage, views=stage.views, shown_before={}, _cache={})
+        return replace(self, stage=stage).viewing(stage.views)
 
     def only(self, rows: Sequence[np.ndarray]) -> Context:
         """The same with these rows (n,) of each span's target alone counting."""
@@ -154,11 +155,11 @@ class Context:
         return self._counts[column]
 
     def rest(self, column: int) -> float:
-        """Share of the noise power above which a residual is more than noise."""
-        return self.stage.least_rest(self, column)
-
-    def usual_rest(self, column: int) -> float:
-        """By how well the noise is known, and by an encoder's steps: a joint at rest shows one of them."""
+        """Share of the noise power above which a residual is more than noise: what the stage says, else by
+        how well the noise is known, and by an encoder's steps: a joint at rest shows one of them.
+        """
+        if self.stage.least_rest is not None:
+            return self.stage.least_rest
         white = self.noise[column].remembers == 0.0 and self.step < OFTEN
         steps = np.hypot(self.stage.own_steps(column), self.stage.resolution(column))
         known = max(0.1 if white else 0.6, off_by_chance(self.count(column)))

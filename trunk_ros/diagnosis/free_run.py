@@ -4,8 +4,6 @@ nothing but its own prediction to show them.
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.hypothesis import Hypothesis
 
@@ -17,4 +15,4 @@ def free_run(context: Context, hypothesis: Hypothesis) -> Context:
     views = context.stage.free(context, hypothesis)
     if views is context.views:
         return context
-    return replace(context, views=views, shown_before={}, _cache={})
+    return context.viewing(views)

@@ -30,10 +30,10 @@ def with_knocks(context: Context) -> Context:
     """With the moments at which joints that rest are knocked within their dead bands."""
     if context.stage.name != "wire" or context.step >= SLOW:
         return context
-    views = tuple(_knocked(context, index, view) for index, view in enumerate(context.views))
+    views = [_knocked(context, index, view) for index, view in enumerate(context.views)]
     if all(new is old for new, old in zip(views, context.views, strict=True)):
         return context
-    return replace(context, views=views, shown_before={}, _cache={}).weighed(context.known)
+    return context.viewing(views).weighed(context.known)
 
 
 def knocks_told(context: Context, hypothesis: Hypothesis, index: int) -> Iterator[Observed]:

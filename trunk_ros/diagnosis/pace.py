@@ -39,8 +39,8 @@ def with_unseen_skew(context: Context, hypothesis: Hypothesis) -> Context | None
     if not any(span.unseen for span in spans) or any(span.unsure[0] for span in spans):
         return None
     known = [replace(span, unsure=(span.unseen, span.unsure[1])) for span in spans]
-    views = tuple(replace(view, span=span) for view, span in zip(context.views, known, strict=True))
-    return paced(replace(context, views=views, shown_before={}, _cache={}), hypothesis)
+    views = [replace(view, span=span) for view, span in zip(context.views, known, strict=True)]
+    return paced(context.viewing(views), hypothesis)
 
 
 def paced(context: Context, hypothesis: Hypothesis) -> Context:
@@ -62,7 +62,7 @@ def paced(context: Context, hypothesis: Hypothesis) -> Context:
         late = [_late(context, hypothesis, k, c) @ further for c in range(len(context.joints))]
         target = view.span.target + np.column_stack(late)
         views.append(replace(view, span=replace(view.span, target=target, pace=tuple(pace))))
-    return replace(context, views=tuple(views), look=context.look + 1, shown_before={}, _cache={})
+    return context.viewing(views, anew=True)
 
 
 def differ(context: Context, hypothesis: Hypothesis) -> bool:

@@ -32,6 +32,7 @@ class ServoStage(Stage):
     name = "servo"
     joint_by_joint = False
     ahead = STEP / 2.0
+    least_rest = STANDING
 
     def __init__(
         self,
@@ -61,9 +62,6 @@ class ServoStage(Stage):
         """
         own = super().noises(found)
         return [Noise(float(np.hypot(n.std, filled))) for n, filled in zip(own, self.filled, strict=True)]
-
-    def least_rest(self, sight: Sight, column: int) -> float:
-        return STANDING
 
     def resolution(self, column: int) -> float:
         return float(self.steps[column])

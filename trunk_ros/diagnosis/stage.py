@@ -48,9 +48,6 @@ class Sight(Protocol):
     ) -> Now:
         """The surroundings of a column in a span, or at some ``rows`` of its grid."""
 
-    def usual_rest(self, column: int) -> float:
-        """Share of the noise power above which a residual is more than noise, going by the noise."""
-
 
 class Stage(ABC):
     """Recordings of one stage of an arm, and the model that predicts them."""
@@ -62,6 +59,8 @@ class Stage(ABC):
     """What that is of which the unexplained residual is a share."""
     ahead: float = 0.0
     """By how much [s] its own steps are ahead of what goes on between them."""
+    least_rest: float | None = None
+    """Share of the noise power above which a residual is more than noise; None: it goes by the noise."""
 
     def __init__(self, spans: Sequence[Span], model: Model, units: dict[str, str] | None = None):
         """``model``: the nominal one, with the effects it already has; ``units``: SI unit of joints that are
@@ -185,10 +184,6 @@ class Stage(ABC):
     def noises(self, found: list[Noise]) -> list[Noise]:
         """Noise (joints,) as it is estimated, at least what is known of the sensors."""
         return [replace(n, std=max(n.std, self.own_steps(c))) for c, n in enumerate(found)]
-
-    def least_rest(self, sight: Sight, column: int) -> float:
-        """Share of the noise power above which a residual is more than noise."""
-        return sight.usual_rest(column)
 
     def _view(self, span: Span) -> View:
         dt = np.diff(span.grid, prepend=span.grid[:1])

@@ -165,10 +165,8 @@ def _starting(state: Fit, seconds: float, begins: Callable[[Span], bool]) -> Con
     if seconds <= 0.0 or not any(begins(view.span) for view in context.views):
         return None
     chain = _chain(context.arm, state.hypothesis)
-    views = tuple(
-        _with_a_start(chain, view, seconds) if begins(view.span) else view for view in context.views
-    )
-    return replace(context, views=views, shown_before={}, _cache={}).seen_with(state.hypothesis)
+    views = [_with_a_start(chain, view, seconds) if begins(view.span) else view for view in context.views]
+    return context.viewing(views).seen_with(state.hypothesis)
 
 
 def _with_a_start(chain: Chain, view: View, seconds: float) -> View:

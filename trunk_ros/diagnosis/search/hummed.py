@@ -38,9 +38,7 @@ def told_from_hum(now: Fit, kept: Callable[[int], Kept]) -> Fit:
         views.append(view if found is None else _without(view, context.columns, found))
     if all(new is old for new, old in zip(views, context.views, strict=True)):
         return now
-    still = replace(context, views=tuple(views), look=context.look + 1, shown_before={}, _cache={}).weighed(
-        now.hypothesis
-    )
+    still = context.viewing(views, anew=True).weighed(now.hypothesis)
     gained = now.total - costed(replace(still, noise=context.noise), now.hypothesis).total
     if _may_be_named(now, kept, gained):
         return now
