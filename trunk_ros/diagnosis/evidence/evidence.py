@@ -64,7 +64,7 @@ def evidence(
     """
     known, work = before or {}, work or Work()
     names = [name for name in state.hypothesis if name not in known]
-    own, more = (replace(f, context=replace(f.context, work=work)) for f in (state, whole or state))
+    own, more = state.working(work), (whole or state).working(work)
     told = each(work, lambda name: one_evidence(_showing(own, more, name), name), names)
     new = dict(zip(names, told, strict=True))
     return {name: new[name] if name in new else known[name] for name in state.hypothesis}

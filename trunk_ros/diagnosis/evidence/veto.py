@@ -5,7 +5,6 @@ is in no model.
 from __future__ import annotations
 
 from collections.abc import Hashable, Iterator, Mapping
-from dataclasses import replace
 
 import numpy as np
 
@@ -148,12 +147,12 @@ def harmless(state: Fit) -> Fit:
     """
     known: dict[Hashable, Array] = {}
     granted, work = state.context.work, state.context.work.besides()
-    state = replace(state, context=replace(state.context, work=work))
+    state = state.working(work)
     while not work.over and (worst := _worst(state, known)) is not None:
         before, state = state.context, dropped(state, *worst)
         known = known if state.context is before else {}
     granted.took(work)
-    return replace(state, context=replace(state.context, work=granted))
+    return state.working(granted)
 
 
 def _worst(state: Fit, known: dict[Hashable, Array]) -> tuple[str, int | None] | None:

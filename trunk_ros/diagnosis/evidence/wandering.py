@@ -39,7 +39,7 @@ def steadied(now: Fit) -> Fit:
     if context.step >= SLOW:
         return now
     again = context.work.besides()
-    on_top = replace(now, context=replace(context, work=again))
+    on_top = now.working(again)
     for column in context.columns:
         less = bare[column] = _bare(on_top, column)
         timed = less is not now.hypothesis
@@ -56,7 +56,7 @@ def steadied(now: Fit) -> Fit:
         wrong = [c for c in found if not is_plain(done.context, done.context.noise[c], done.hypothesis, c)]
         if not wrong:
             context.work.took(again)
-            return replace(done, context=replace(done.context, work=context.work))
+            return done.working(context.work)
         found = {c: one for c, one in found.items() if c not in wrong}
     context.work.took(Work(done=again.done))  # no search ended early by it
     return now

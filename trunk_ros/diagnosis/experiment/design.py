@@ -50,7 +50,7 @@ def experiment(state: Fit, found: dict[str, Evidence]) -> Experiment | None:
     is granted goes; None where there are none.
     """
     work = Work(DESIGNED)
-    state = replace(state, context=replace(state.context, work=work))
+    state = state.working(work)
     alone = {name: [one for one in e.equivalents if isinstance(one, str)] for name, e in found.items()}
     pairs = [(name, k) for k in range(LIKELIEST) for name, others in alone.items() if k < len(others)]
     sides: list[list[Duel]] = []

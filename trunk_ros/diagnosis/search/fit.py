@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -11,6 +11,7 @@ from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.hypothesis import Free, Hypothesis, bounds, scales
 from trunk_ros.diagnosis.levels import TURNS
+from trunk_ros.diagnosis.work import Work
 from trunk_ros.effects import effect
 
 STEP = 0.005  # of a parameter's usual size, for derivatives
@@ -36,6 +37,10 @@ class Fit:
     def total(self) -> float:
         """Sum of squares over the fitted columns."""
         return float(sum(self.cost.values()))
+
+    def working(self, work: Work) -> Fit:
+        """The same, with what is simulated for it from now on counted elsewhere."""
+        return replace(self, context=replace(self.context, work=work))
 
     def rest(self, column: int) -> float:
         """Squared unit-noise residual of a column above the noise."""

@@ -49,9 +49,9 @@ def _settling(best: Fit) -> list[Move]:
 def _besides(best: Fit, moves: Sequence[Move], desk: Desk) -> Fit:
     """What some moves make of a fit by the work that is granted on top."""
     work, closing = best.context.work, best.context.work.besides()
-    done = descend(replace(best, context=replace(best.context, work=closing)), moves, desk)
+    done = descend(best.working(closing), moves, desk)
     work.took(closing)
-    return replace(done, context=replace(done.context, work=work))
+    return done.working(work)
 
 
 def incomplete(best: Fit) -> bool:
