@@ -14,7 +14,7 @@ from trunk_ros.diagnosis.evidence.sets import pairs
 from trunk_ros.diagnosis.evidence.unseen import unrepeated
 from trunk_ros.diagnosis.hypothesis import Hypothesis
 from trunk_ros.diagnosis.search.fit import Fit, refit
-from trunk_ros.diagnosis.search.score import need, needed, priced
+from trunk_ros.diagnosis.search.score import need, needed, prices
 from trunk_ros.diagnosis.work import Work
 from trunk_ros.effects import effect
 from trunk_ros.effects.bank import Bank
@@ -140,8 +140,8 @@ def one_evidence(state: Fit, name: str) -> Evidence:
             if own is not None:
                 out.rivals[rival], out.fitted[rival] = loss(state, own, columns), own.hypothesis
         near = [rival for rival, lost in out.rivals.items() if lost < limit]
-        own_price = priced(Fit(state.hypothesis, {}, context))
-        more = {r: max(priced(Fit(out.fitted[r], {}, context)) - own_price, 0.0) for r in near}
+        own_price = prices(context, state.hypothesis)
+        more = {r: max(prices(context, out.fitted[r]) - own_price, 0.0) for r in near}
         alone = sorted(near, key=lambda rival: (out.rivals[rival] + more[rival], rival))
         losses += out.rivals.values()
         both = pairs(state, name, doubted, looks, out.asked, {name, *near, *state.hypothesis})

@@ -45,9 +45,14 @@ def score(fit: Fit) -> float:
 def priced(fit: Fit) -> float:
     """The same, whether the motion can show it or not."""
     if not fit.priced:  # asked for again with each trial that it is compared with
-        prices = sum(price(fit, term) for term in fit.hypothesis.values())
-        fit.priced.append(fit.total + prices + _throws(fit) + _swings(fit))
+        names = sum(price(fit, term) for term in fit.hypothesis.values())
+        fit.priced.append(fit.total + names + _throws(fit) + _swings(fit))
     return fit.priced[0]
+
+
+def prices(context: Context, hypothesis: Hypothesis) -> float:
+    """What a hypothesis costs that leaves nothing."""
+    return priced(Fit(hypothesis, {}, context))
 
 
 def beats(trial: Fit, best: Fit) -> bool:

@@ -12,7 +12,7 @@ from trunk_ros.diagnosis.cores import each
 from trunk_ros.diagnosis.hypothesis import Hypothesis
 from trunk_ros.diagnosis.search.candidates import Candidate, extended
 from trunk_ros.diagnosis.search.fit import Fit, refit, refit_column
-from trunk_ros.diagnosis.search.score import SIGNIFICANT, priced, score
+from trunk_ros.diagnosis.search.score import SIGNIFICANT, priced, prices, score
 from trunk_ros.diagnosis.search.screen import PROMISED, Kept, Screen
 from trunk_ros.effects import Effect
 
@@ -95,14 +95,14 @@ def refitted(best: Fit, column: int, found: Iterable[Look], goal: float = np.inf
 
 def may_win(best: Fit, there: Hypothesis, screen: Screen, gain: float) -> bool:
     """Whether a hypothesis on all joints may beat ``best``, by what a linear look promises."""
-    return screen.may_come_to(there, gain) + priced(Fit(there, {}, best.context)) <= score(best)
+    return screen.may_come_to(there, gain) + prices(best.context, there) <= score(best)
 
 
 def refit_to_win(best: Fit, there: Hypothesis, spared: int = 0) -> Fit:
     """A hypothesis refitted on all joints, given up where it will not beat ``best``, even without what is
     left of the worst ones, so many of which may be ``spared``.
     """
-    return refit(best.context, there, score(best) - priced(Fit(there, {}, best.context)), spared)
+    return refit(best.context, there, score(best) - prices(best.context, there), spared)
 
 
 def refit_column_to_win(best: Fit, there: Hypothesis, column: int) -> Fit:

@@ -6,7 +6,6 @@ It comes last, where names end; or before names are exchanged, where these will 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import replace
 from functools import partial
 
 import numpy as np
@@ -18,7 +17,7 @@ from trunk_ros.diagnosis.search.credible import hidden
 from trunk_ros.diagnosis.search.descent import LARGE, Desk, Group, Move
 from trunk_ros.diagnosis.search.fit import Fit, fit
 from trunk_ros.diagnosis.search.moves.add import law_of_all, trials
-from trunk_ros.diagnosis.search.score import beats, priced, score, with_curves_at_least
+from trunk_ros.diagnosis.search.score import beats, priced, prices, score, with_curves_at_least
 from trunk_ros.diagnosis.search.screen import PROMISED
 from trunk_ros.diagnosis.search.state import state_of
 from trunk_ros.effects import effect
@@ -112,7 +111,7 @@ def _may_replace(now: Fit, column: int, local: list[str]) -> bool:
     if _claims(now, column, local) < SEVERAL and not _followed(now, column, local):
         return False
     bare = now.hypothesis.less(local, column)
-    saved = priced(replace(now, cost={})) - priced(Fit(bare, {}, now.context))
+    saved = prices(now.context, now.hypothesis) - prices(now.context, bare)
     left = promised(now.context, bare, column)
     return np.isinf(left) or PROMISED * left < now.rest(column) + saved
 

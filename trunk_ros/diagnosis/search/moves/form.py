@@ -14,7 +14,7 @@ from trunk_ros.diagnosis.search.credible import hidden
 from trunk_ros.diagnosis.search.descent import COARSE, Desk, Group, Move, descend_with
 from trunk_ros.diagnosis.search.fit import Fit, costed, refit, refit_column
 from trunk_ros.diagnosis.search.moves.drop import DROP
-from trunk_ros.diagnosis.search.score import priced, score
+from trunk_ros.diagnosis.search.score import priced, prices, score
 from trunk_ros.diagnosis.search.screen import PROMISED, Screen
 from trunk_ros.diagnosis.search.trial import begun_on
 from trunk_ros.effects import Effect, effect
@@ -85,7 +85,7 @@ def _goal(best: Fit, name: str, form: str) -> float:
     there = best.hypothesis.reformed(name, form)
     for column in there[name].columns:
         there = there.less([term.effect for term in there.on(column) if term.effect != name], column)
-    return score(best) - priced(Fit(there, {}, best.context))
+    return score(best) - prices(best.context, there)
 
 
 def _reformed(now: Fit, name: str, form: str, goal: float) -> Fit | None:
