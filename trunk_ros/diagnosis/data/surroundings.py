@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable
+from collections.abc import Callable, Hashable, Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 from typing import Any, NamedTuple
@@ -235,6 +235,12 @@ def _row_of(masses: Array, joint: int) -> Array:
 def _apart(angles: Array, others: Array) -> float:
     """How far joints are apart at most; of one joint after the other."""
     return max(float(np.abs(one - other).max()) for one, other in zip(angles.T, others.T, strict=True))
+
+
+def counted(views: Sequence[View], signals: Iterable[Array], column: int) -> Array:
+    """(rows,) of signals, (n,) a span, where a column counts."""
+    pairs = zip(views, signals, strict=True)
+    return np.concatenate([view.columns[column].those(signal) for view, signal in pairs])
 
 
 def following(valid: np.ndarray) -> np.ndarray:

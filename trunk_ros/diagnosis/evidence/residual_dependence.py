@@ -7,6 +7,7 @@ import numpy as np
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.data.motion_content import PLACES
+from trunk_ros.diagnosis.data.surroundings import counted
 from trunk_ros.diagnosis.discrepancy.curves import variables
 from trunk_ros.diagnosis.discrepancy.spectrum import spectrum
 from trunk_ros.diagnosis.hypothesis import Hypothesis
@@ -46,8 +47,7 @@ def _power(context: Context, hypothesis: Hypothesis, column: int) -> float:
     noise, theirs = context.noise[column], {term.effect for term in context.known.on(column)}
     if noise.remembers == 0.0 or all(term.effect in theirs for term in hypothesis.on(column)):
         return power
-    seen = zip(context.evened(hypothesis, column), context.views, strict=True)
-    rest = np.concatenate([even[view.columns[column].counted] for even, view in seen])
+    rest = counted(context.views, context.evened(hypothesis, column), column)
     further = float(np.mean(rest**2)) / noise.std**2 - 1.0
     worth = len(rest) * (1.0 - noise.remembers) / (1.0 + noise.remembers)
     return max(power, further) if further > SURE * np.sqrt(2.0 / max(worth, 1.0)) else power
@@ -75,12 +75,8 @@ def goes_on(products: Array, own: float, least: float) -> bool:
 def depends_on(context: Context, hypothesis: Hypothesis, column: int) -> list[str]:
     """Words for what the residual of a column still varies with, the strongest first."""
     scores: dict[str, float] = {}
-    residual = np.concatenate(
-        [
-            context.residual(i, hypothesis, column)[v.span.valid[:, column]]
-            for i, v in enumerate(context.views)
-        ]
-    )
+    left = [context.residual(i, hypothesis, column) for i in range(len(context.views))]
+    residual = counted(context.views, left, column)
     if len(residual) < 20 * PLACES or not np.any(residual):
         return []
     for name in ("direction", *variables(context, column)):
@@ -88,8 +84,9 @@ def depends_on(context: Context, hypothesis: Hypothesis, column: int) -> list[st
         for i, view in enumerate(context.views):
             now = context.now(i, column)
             values = np.sign(now.speed[:, 0]) if name == "direction" else abscissa(name, now, 0)
-            parts.append(view.span.measured(values)[view.span.valid[:, column]])
-        scores[name] = accounted(np.concatenate(parts), residual, context.noise[column].remembers)
+            parts.append(view.span.measured(values))
+        over = counted(context.views, parts, column)
+        scores[name] = accounted(over, residual, context.noise[column].remembers)
     index = context.telling(column)[0]
     _, share = spectrum(context.views[index].span.stamp, context.residual(index, hypothesis, column))
     if share > PART:

@@ -8,6 +8,7 @@ import numpy as np
 
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.context import Context
+from trunk_ros.diagnosis.data.surroundings import counted
 from trunk_ros.diagnosis.discrepancy.curves import redrawn
 from trunk_ros.diagnosis.evidence.cross_validation import BLOCKS, number_of
 from trunk_ros.diagnosis.free_run import free_run
@@ -29,11 +30,9 @@ def unseen(context: Context, hypothesis: Hypothesis, columns: Collection[int], w
         fitted = _fitted(half, hypothesis, columns)
         judged = free_run(context.only([s == fold for s in side]), fitted)
         for c in columns:
-            counted = zip(number, judged.views, strict=True)
-            block = np.concatenate([n[view.columns[c].counted] for n, view in counted])
+            block = counted(judged.views, number, c)
             rests = [judged.residual(index, fitted, c) for index in range(len(judged.views))]
-            seen = zip(judged.even(rests, c), judged.views, strict=True)
-            plain = np.concatenate([rest[view.columns[c].counted] for rest, view in seen])
+            plain = counted(judged.views, judged.even(rests, c), c)
             total[0] += np.bincount(block, judged.whiten(rests, c) ** 2, BLOCKS)
             total[1] += np.bincount(block, (plain / context.noise[c].std) ** 2, BLOCKS)
     return total

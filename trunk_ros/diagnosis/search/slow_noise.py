@@ -14,6 +14,7 @@ from scipy.optimize import minimize
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.data.noise import WHITE, Noise
+from trunk_ros.diagnosis.data.surroundings import counted
 from trunk_ros.diagnosis.discrepancy.bank_weights import CUTS, FOLDS, WORTHS, Cuts, Source, Sums
 from trunk_ros.diagnosis.discrepancy.curves import curve_fit
 from trunk_ros.diagnosis.discrepancy.memory import sources
@@ -128,8 +129,8 @@ def _price_of(noise: Noise) -> float:
 
 def _is_near(context: Context, hypothesis: Hypothesis, column: int) -> bool:
     """Whether what a hypothesis leaves goes no further than three times the noise of a column as it is."""
-    rests = [rest[counted] for rest, _, counted in _parts(context, hypothesis, column)]
-    return bool(np.mean(np.concatenate(rests) ** 2) < (THREEFOLD * context.noise[column].std) ** 2)
+    rest = counted(context.views, context.evened(hypothesis, column), column)
+    return bool(np.mean(rest**2) < (THREEFOLD * context.noise[column].std) ** 2)
 
 
 def is_shared(context: Context, hypothesis: Hypothesis, column: int) -> bool:
@@ -221,7 +222,7 @@ def likeliest_noise(context: Context, hypothesis: Hypothesis, column: int) -> tu
 
 def _likeliest(parts: Parts, known: float) -> tuple[Noise, float]:
     longest = SOME * max(len(rest) for rest, _, _ in parts)
-    rest_std = float(np.sqrt(np.mean(np.concatenate([rest[counted] for rest, _, counted in parts]) ** 2)))
+    rest_std = float(np.sqrt(np.mean(np.concatenate([rest[rows] for rest, _, rows in parts]) ** 2)))
 
     def noise_at(x: Array) -> Noise:
         white, *coloured = np.exp(np.clip(x, -LOST, LOST)).tolist()
@@ -262,8 +263,8 @@ def _parts(context: Context, hypothesis: Hypothesis, column: int) -> Parts:
 
 def is_plain(context: Context, noise: Noise, hypothesis: Hypothesis, column: int) -> bool:
     """Whether a noise is all that a hypothesis leaves of a column: what swings is more."""
-    for rest, follows, counted in _parts(context, hypothesis, column):
-        white = noise.whiten(rest, follows)[counted]
+    for rest, follows, rows in _parts(context, hypothesis, column):
+        white = noise.whiten(rest, follows)[rows]
         chance = SURE / np.sqrt(max(len(white), 1))
         lags = (lag for lag in LAGS if lag < len(white) // 2)
         if any(abs(float(np.mean(white[lag:] * white[:-lag]))) > WHITE + chance for lag in lags):
