@@ -15,7 +15,7 @@ from trunk_ros.errors import ModelError, RecordingError
 from trunk_ros.model import Model
 from trunk_ros.recording.recording import JointSeries, Recording
 from trunk_ros.recording.signal.fill import fill
-from trunk_ros.recording.signal.gaps import in_gaps
+from trunk_ros.recording.signal.gaps import in_gaps, runs
 from trunk_ros.simulate import simulate
 from trunk_ros.transmission import by_joint, ratio_of, uncoupled
 
@@ -143,7 +143,6 @@ def _stands(speed: Array, least: Array, step: float) -> np.ndarray:
     """(n, joints): where a joint has no speed for longer than a reversal takes."""
     out, slow = np.zeros(speed.shape, dtype=bool), np.abs(speed) < least
     for j, column in enumerate(slow.T):
-        turns = np.flatnonzero(np.diff(np.concatenate([[False], column, [False]]).astype(int)))
-        for begin, end in zip(turns[::2], turns[1::2], strict=True):
+        for begin, end in runs(column):
             out[begin:end, j] = (end - begin) * step > STANDS
     return out

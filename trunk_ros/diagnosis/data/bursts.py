@@ -10,6 +10,7 @@ import numpy as np
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.data.noise import fourth_differences
 from trunk_ros.diagnosis.levels import CHANCE, ENOUGH, FEWEST, HALF, MOST, NOTABLE
+from trunk_ros.recording.signal.gaps import runs
 
 WINDOW = ENOUGH // 2  # samples, of which all joints together tell how loud they are
 
@@ -39,14 +40,13 @@ def bursts(
     loud = alike & (usual > NOTABLE) & (turning > MOST)
     if not loud.any() or np.mean(loud) > HALF or _comes_with(loud, speeds):
         return ()
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], loud, [False]]).astype(int))).reshape(-1, 2)
     return tuple(
         (
             float(stamp[max(first - 1, 0) * WINDOW]),
             float(stamp[min((last + 1) * WINDOW, len(stamp) - 1)]),
             float(np.median(usual[first:last])),
         )
-        for first, last in edges
+        for first, last in runs(loud)
     )
 
 

@@ -26,7 +26,7 @@ from trunk_ros.diagnosis.levels import (
 from trunk_ros.guards import ROUNDS
 from trunk_ros.recording.recording import Recording
 from trunk_ros.recording.signal.encoder import EXACT, MEDIAN_TO_STD, count, noises
-from trunk_ros.recording.signal.gaps import in_gaps, usual
+from trunk_ros.recording.signal.gaps import in_gaps, runs, usual
 from trunk_ros.recording.topics import COMPARED, TOPICS
 
 BESIDE = 3  # readings on either side of one that is far off
@@ -139,16 +139,15 @@ def sticks(readings: Array, stamp: Array, left: Array | None = None) -> np.ndarr
     out = np.zeros(len(readings), dtype=bool)
     step = np.abs(np.diff(readings))
     same = step == 0.0
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], same, [False]]).astype(int)))
-    runs = [(first, last) for first, last in edges.reshape(-1, 2) if last - first >= STUCK - 1]
-    rest = same.sum() - sum(last - first for first, last in runs)
-    if not runs or rest > FEW * len(same):
+    long = [(first, last) for first, last in runs(same) if last - first >= STUCK - 1]
+    rest = same.sum() - sum(last - first for first, last in long)
+    if not long or rest > FEW * len(same):
         return out
     together = np.diff(stamp) <= usual(stamp)
     leaps = step > leap(readings)
     if left is not None:
         leaps |= np.abs(np.diff(left)) > leap(left)
-    for first, last in runs:
+    for first, last in long:
         if last < len(step) and leaps[last] and together[last]:
             out[first + 1 : last + 1] = True
     return out

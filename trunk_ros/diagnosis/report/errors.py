@@ -28,6 +28,7 @@ from trunk_ros.diagnosis.report.style import (
 )
 from trunk_ros.diagnosis.report.units import multiple
 from trunk_ros.diagnosis.verdict.answer import STAGES, Answer
+from trunk_ros.recording.signal.gaps import runs
 
 WIDTH = 9.4  # inches
 WELL_ABOVE = 3.0  # times the noise, over a window
@@ -120,8 +121,7 @@ def culprit_spans(signal: Signal) -> list[tuple[float, float]]:
     count = np.bincount(cell[known], minlength=cells)
     power = np.bincount(cell[known], weights=signal.error_before[known] ** 2, minlength=cells)
     loud = power > count * (WELL_ABOVE * signal.noise) ** 2
-    changes = np.flatnonzero(np.diff(np.concatenate([[0], loud.astype(int), [0]])))
-    return [(float(edges[a]), float(edges[b])) for a, b in zip(changes[::2], changes[1::2], strict=True)]
+    return [(float(edges[a]), float(edges[b])) for a, b in runs(loud)]
 
 
 def loud(signal: Signal) -> float:

@@ -7,6 +7,7 @@ import numpy as np
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.data.motion_content import STILL
 from trunk_ros.diagnosis.report.signals import CELLS, reversals
+from trunk_ros.recording.signal.gaps import runs
 
 JUST = 0.05  # of the joint's range after a reversal: by then the dead band is crossed
 SLOW, FAST = 0.15, 0.6  # of the joint's largest speed
@@ -42,11 +43,10 @@ def _within(regime: str, stamp: Array, angle: Array) -> np.ndarray:
 
 def _spans(stamp: Array, within: np.ndarray) -> list[tuple[float, float]]:
     """Stretches of a mask (n,), neighbours joined."""
-    changes = np.flatnonzero(np.diff(np.concatenate([[0], within.astype(int), [0]])))
     gap = float(stamp[-1] - stamp[0]) / CELLS  # shorter gaps between stretches are none to the eye
     out: list[tuple[float, float]] = []
-    for first, last in zip(changes[::2], changes[1::2] - 1, strict=True):
-        start, end = float(stamp[first]), float(stamp[last])
+    for first, after in runs(within):
+        start, end = float(stamp[first]), float(stamp[after - 1])
         if out and start - out[-1][1] < gap:
             out[-1] = (out[-1][0], end)
         else:

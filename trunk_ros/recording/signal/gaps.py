@@ -27,6 +27,11 @@ def usual(stamp: Floats) -> float:
     return longest if float(np.mean(between <= longest)) >= REGULAR else np.inf
 
 
+def runs(where: np.ndarray) -> np.ndarray:
+    """(k, 2): the first row of each run of a mask (n,), and the one after its last."""
+    return np.flatnonzero(np.diff(np.concatenate([[0], where.astype(int), [0]]))).reshape(-1, 2)
+
+
 def gaps(stamp: Floats, longest: float = np.inf) -> np.ndarray:
     """(k,): samples after which others of a steady stream are missing, for at most ``longest`` s."""
     between = np.diff(stamp)
