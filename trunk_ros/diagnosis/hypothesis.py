@@ -99,6 +99,11 @@ class Hypothesis(dict[str, Term]):
         """The terms on a joint, in physical order."""
         return [self[name] for name in sorted(self, key=_place) if column in self[name].own]
 
+    def new_on(self, column: int, before: Hypothesis) -> list[Term]:
+        """The terms on a joint that it had not ``before``."""
+        had = {term.effect for term in before.on(column)}
+        return [term for term in self.on(column) if term.effect not in had]
+
     @property
     def curved(self) -> set[int]:
         """The joints that a curve without a name is on."""
@@ -195,12 +200,8 @@ def _place(name: str) -> tuple[int, str]:
 
 def hypothesis_of(effects: Mapping[str, Values], stage: str, joints: int) -> Hypothesis:
     """The effects that a model of so many joints has in a stage, as terms that a fit can move."""
-    out = Hypothesis()
-    for name, values in effects.items():
-        kind = effect(name)
-        if kind.stage == stage:
-            out[name] = _term_of(kind, values, joints)
-    return out
+    there = {name: values for name, values in effects.items() if effect(name).stage == stage}
+    return Hypothesis({name: _term_of(effect(name), values, joints) for name, values in there.items()})
 
 
 def _term_of(kind: type[Effect], values: Values, joints: int) -> Term:
@@ -279,9 +280,8 @@ def _model_values(term: Term, joints: int) -> Values:
     values: Values = dict(term.shared)
     for parameter in (*kind.parameters, *kind.moments()):
         if any(parameter.name in own for own in term.own.values()):
-            values[parameter.name] = np.array(
-                [term.own.get(j, {}).get(parameter.name, parameter.null) for j in range(joints)]
-            )
+            own = [term.own.get(j, {}) for j in range(joints)]
+            values[parameter.name] = np.array([each.get(parameter.name, parameter.null) for each in own])
     for text in kind.texts:
         if any(text in words for words in term.words.values()):
             values[text] = [term.words.get(j, {}).get(text, "") for j in range(joints)]

@@ -44,8 +44,8 @@ def _power(context: Context, hypothesis: Hypothesis, column: int) -> float:
     if context.stage.name == "servo":
         rest = but_for_a_lag(context, column, rest)
     power = float(np.mean(rest**2)) - 1.0
-    noise, theirs = context.noise[column], {term.effect for term in context.known.on(column)}
-    if noise.remembers == 0.0 or all(term.effect in theirs for term in hypothesis.on(column)):
+    noise = context.noise[column]
+    if noise.remembers == 0.0 or not hypothesis.new_on(column, context.known):
         return power
     rest = counted(context.views, context.evened(hypothesis, column), column)
     further = float(np.mean(rest**2)) / noise.std**2 - 1.0

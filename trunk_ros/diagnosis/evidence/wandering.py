@@ -9,7 +9,7 @@ from dataclasses import replace
 
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.data.noise import Noise
-from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
+from trunk_ros.diagnosis.hypothesis import Hypothesis
 from trunk_ros.diagnosis.levels import REFITTED, SEVERAL
 from trunk_ros.diagnosis.search.candidates import open_kinds
 from trunk_ros.diagnosis.search.descent import Desk, descend
@@ -49,7 +49,7 @@ def steadied(now: Fit) -> Fit:
             likely = likelier(context, less, now.hypothesis, column)
             if likely is None or (not timed and told(context, less, column)):
                 continue
-            if likely[1] > need(context, column) * len(_new(less, now.hypothesis, column)):
+            if likely[1] > need(context, column) * len(less.new_on(column, now.hypothesis)):
                 found[column] = likely[0]
     while both := found | _of_the_others(context, now.hypothesis, {**context.wanders, **found}):
         done = _held(on_top, both, {c: bare[c] for c in found})
@@ -74,7 +74,7 @@ def _bare(now: Fit, column: int) -> Hypothesis:
     able = (
         look
         for look in looks(plain, less, column, kinds, PROMISING)
-        if not any(term.moments(column) for term in _new(look.hypothesis, less, column))
+        if not any(term.moments(column) for term in look.hypothesis.new_on(column, less))
     )
     best = sorted(able, key=lambda look: -look.gain)[:REFITTED]
     trials = [refit_column(plain, there, column) for there in (less, *(look.hypothesis for look in best))]
@@ -82,12 +82,6 @@ def _bare(now: Fit, column: int) -> Hypothesis:
     costs[0] -= need(context, column)
     chosen = costs.index(min(costs))
     return trials[chosen].hypothesis if chosen else less
-
-
-def _new(there: Hypothesis, before: Hypothesis, column: int) -> list[Term]:
-    """What a joint has that it had not before."""
-    had = {term.effect for term in before.on(column)}
-    return [term for term in there.on(column) if term.effect not in had]
 
 
 def _held(now: Fit, noise: dict[int, Noise], bare: Mapping[int, Hypothesis]) -> Fit:
@@ -105,7 +99,7 @@ def _put_together(found: Hypothesis, bare: Mapping[int, Hypothesis]) -> Hypothes
     out = found.copy()
     for column, there in bare.items():
         out = untimed(out, column)
-        for term in _new(there, out, column):
+        for term in there.new_on(column, out):
             if term.effect not in out or out[term.effect].form == term.form:
                 out.have(column, term)
     return out

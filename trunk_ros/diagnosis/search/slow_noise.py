@@ -73,7 +73,8 @@ def _wandering(
     if likely is None:
         return None
     noise, gained = likely
-    alike = not _is_found(now, column) and _is_near(context, hypothesis, column)
+    # a law that is not quite the right one leaves what wanders
+    alike = not hypothesis.new_on(column, context.known) and _is_near(context, hypothesis, column)
     alike = alike and is_shared(context, hypothesis, column)
     if _may_be_named(now, column, kept(column), gained, laws if alike else None):
         return None
@@ -159,14 +160,6 @@ def _may_be_drawn(now: Fit, column: int, gained: float, alike: bool) -> bool:
         return True
     tied = None if alike or curve is None else curve_fit(now.context, now.hypothesis, column, tied=True)
     return tied is not None and score(Fit(tied.hypothesis, now.cost | tied.cost, now.context)) < score(now)
-
-
-def _is_found(now: Fit, column: int) -> bool:
-    """Whether a column has an effect that the model has not: a law that is not quite the right one leaves
-    what wanders.
-    """
-    theirs = {term.effect for term in now.context.known.on(column)}
-    return any(term.effect not in theirs for term in now.hypothesis.on(column))
 
 
 def _may_be_named(
