@@ -16,12 +16,18 @@ from scipy.special import chdtri
 from trunk_ros.arm import Arm
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.data.sensing.band import Band
-from trunk_ros.diagnosis.data.sensing.physics import CLOCKED, Motion, beside_physics, motion_of, take_off
+from trunk_ros.diagnosis.data.sensing.physics import (
+    Motion,
+    beside_physics,
+    motion_of,
+    take_off,
+    tells_of_clocks,
+    while_driven,
+)
 from trunk_ros.diagnosis.discrepancy.spectrum import spectrum
 from trunk_ros.diagnosis.levels import CERTAIN, CHANCE, HALF, JOINTS, SURE
 from trunk_ros.guards import BLIND, TINY
 from trunk_ros.recording.recording import JointSeries
-from trunk_ros.recording.signal.resample import SLOW
 
 LINE, BINS = 2, 16  # bins of the spectrum beside a tone that show what else there is
 TONES = 3
@@ -46,11 +52,8 @@ class Hum:
 
 def hums(gearbox: JointSeries, shown: JointSeries, arm: Arm) -> list[Hum]:
     """The tones in the readings of all joints, of series with the same joints."""
-    driven = (shown.stamp >= gearbox.stamp[0]) & (shown.stamp <= gearbox.stamp[-1])
-    shown = shown.rows(driven)
-    if len(shown.stamp) < CLOCKED or len(shown.joints) < JOINTS:
-        return []
-    if float(np.median(np.diff(shown.stamp))) > SLOW / 2:
+    shown = while_driven(gearbox, shown)
+    if len(shown.joints) < JOINTS or not tells_of_clocks(shown):
         return []
     motion = motion_of(gearbox, shown, arm)
     found = list[Hum]()

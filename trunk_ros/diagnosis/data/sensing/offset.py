@@ -21,6 +21,7 @@ from trunk_ros.diagnosis.data.sensing.physics import (
     lowpassed,
     scaled,
     some_motion,
+    while_driven,
 )
 from trunk_ros.diagnosis.levels import CERTAIN, FEWEST, MOST, NEARLY, PART, ROUGH, SEVERAL, SURE
 from trunk_ros.guards import BLIND, TINY
@@ -47,7 +48,7 @@ def early(gearbox: JointSeries, shown: JointSeries, arm: Arm) -> Offset | None:
     """By how much the joints' stamps run behind (a negative size): they show motion before the gearbox makes
     it, all moving joints by the same time, but for some that physics makes late. Series with the same joints.
     """
-    motion = _motion(gearbox, shown, arm)
+    motion = some_motion(gearbox, while_driven(gearbox, shown), arm)
     if motion is None:
         return None
     lags = [_lag(motion, joint) for joint in motion.moving]
@@ -60,7 +61,7 @@ def step(gearbox: JointSeries, shown: JointSeries, arm: Arm) -> tuple[int, Offse
     joints jumps at one moment, and so do the stamps of that topic, by as much. Readings that get older from a
     moment on come as evenly as before.
     """
-    motion = _motion(gearbox, shown, arm)
+    motion = some_motion(gearbox, while_driven(gearbox, shown), arm)
     if motion is None:
         return None
     gain = _gains(motion)
@@ -76,12 +77,6 @@ def step(gearbox: JointSeries, shown: JointSeries, arm: Arm) -> tuple[int, Offse
         if told is not None:
             return k, told
     return None
-
-
-def _motion(gearbox: JointSeries, shown: JointSeries, arm: Arm) -> Motion | None:
-    """Some of it, where the gearbox was seen."""
-    driven = (shown.stamp >= gearbox.stamp[0]) & (shown.stamp <= gearbox.stamp[-1])
-    return some_motion(gearbox, shown.rows(driven), arm)
 
 
 def _lag(motion: Motion, joint: int) -> tuple[float, float]:

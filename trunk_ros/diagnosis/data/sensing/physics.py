@@ -88,9 +88,19 @@ def gains(asked: Array, shown: Array) -> Array:
     return np.where(told, gain, 1.0)
 
 
+def while_driven(gearbox: JointSeries, shown: JointSeries) -> JointSeries:
+    """What joints showed while the gearbox was seen."""
+    return shown.rows((shown.stamp >= gearbox.stamp[0]) & (shown.stamp <= gearbox.stamp[-1]))
+
+
+def tells_of_clocks(shown: JointSeries) -> bool:
+    """Whether joints were read enough, and often enough."""
+    return len(shown.stamp) >= CLOCKED and float(np.median(np.diff(shown.stamp))) <= SLOW / 2
+
+
 def some_motion(gearbox: JointSeries, shown: JointSeries, arm: Arm) -> Motion | None:
-    """Of so many rows as tell of clocks, where there are enough, often enough, and some joint moves."""
-    if len(shown.stamp) < CLOCKED or float(np.median(np.diff(shown.stamp))) > SLOW / 2:
+    """Of so many rows as tell of clocks, where there are any, and some joint moves."""
+    if not tells_of_clocks(shown):
         return None
     shown = shown.rows(np.arange(len(shown.stamp)) % max(len(shown.stamp) // ROWS, 1) == 0)
     motion = motion_of(gearbox, shown, arm)
