@@ -8,6 +8,7 @@ import numpy as np
 
 from trunk_ros.compiled import Array
 from trunk_ros.derivatives import smooth
+from trunk_ros.diagnosis.data.noise import rms
 from trunk_ros.diagnosis.levels import MOST, PART, SURE
 from trunk_ros.effort import MOVES
 from trunk_ros.model import Model
@@ -67,4 +68,4 @@ def _drives(stamp: Array, angle: Array, effort: Array) -> bool:
     if len(jumps) < REVERSALS:
         return False
     usual, spread = float(np.mean(jumps)), float(np.std(jumps)) / np.sqrt(len(jumps))
-    return usual > SURE * spread and usual > PART * float(np.sqrt(np.mean(effort**2)))
+    return usual > SURE * spread and usual > PART * rms(effort)

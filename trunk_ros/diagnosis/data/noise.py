@@ -215,6 +215,11 @@ def _robust(residuals: list[Array], masks: list[np.ndarray], stride: int) -> flo
     return trimmed(joined) if joined.size else 0.0
 
 
+def rms(values: Array) -> float:
+    """Root mean square."""
+    return float(np.sqrt(np.mean(values**2)))
+
+
 def trimmed(size: Array) -> float:
     """Standard deviation of what lies within three of it, starting from the median: a tenth of its
     scatter.
@@ -224,7 +229,7 @@ def trimmed(size: Array) -> float:
         inside = size[size <= 3.0 * std]
         if not inside.size:
             return std
-        std = float(np.sqrt(np.mean(inside**2)) / TRIMMED)
+        std = rms(inside) / TRIMMED
     return std
 
 

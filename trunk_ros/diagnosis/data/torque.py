@@ -9,6 +9,7 @@ import numpy as np
 from trunk_ros.arm import Arm
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.data.align import common_joints
+from trunk_ros.diagnosis.data.noise import rms
 from trunk_ros.diagnosis.levels import MOST, PART
 from trunk_ros.effort import MeasuredLoad, measured_load
 from trunk_ros.model import Model
@@ -63,11 +64,11 @@ def _against_weight(arm: Arm, gearbox: JointSeries, measured: MeasuredLoad) -> l
     (payload, swings), *_ = np.linalg.lstsq(both, (measured.moment - computed)[seen], rcond=1e-9)
     measured = replace(measured, moment=measured.moment - swings * inertia)
     off = (measured.moment - computed)[seen]
-    if _rms(off) < PART * _rms(computed[seen]):
+    if rms(off) < PART * rms(computed[seen]):
         return []
-    share = f"{100 * _rms(off) / _rms(computed[seen]):.0f} %"
+    share = f"{100 * rms(off) / rms(computed[seen]):.0f} %"
     said = f"the motors' torque and the computed weight on the joints differ by {share}"
-    if _rms(off - payload * lever) < (1.0 - MOST) * _rms(off):
+    if rms(off - payload * lever) < (1.0 - MOST) * rms(off):
         way = "more" if payload > 0.0 else "less"
         return [f"{said}: {abs(1e3 * payload):.0f} g {way} at the tip would explain it"]
     return [f"{said}, on {_worst(arm, measured, computed)}: check masses, lengths and the torque's unit"]
@@ -83,7 +84,3 @@ def _worst(arm: Arm, measured: MeasuredLoad, computed: Array) -> str:
         return f"{arm.joints[joint]} most, where none was computed"
     times = float(own @ measured.moment[seen, joint] / (own @ own))
     return f"{arm.joints[joint]} most, {times:.2f} times the computed one"
-
-
-def _rms(values: Array) -> float:
-    return float(np.sqrt(np.mean(values**2)))

@@ -11,6 +11,7 @@ import numpy as np
 
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.data.excerpt import excerpt
+from trunk_ros.diagnosis.data.noise import rms
 from trunk_ros.diagnosis.hypothesis import Hypothesis
 from trunk_ros.diagnosis.levels import CLEARLY, FEWEST, NOTABLE
 from trunk_ros.diagnosis.search.credible import BY_THE_WAY
@@ -160,4 +161,4 @@ def _told(base: Context, other: Context, column: int, found: Hypothesis) -> Cont
 def _rms(context: Context, hypothesis: Hypothesis, column: int) -> float:
     kept = context.views[0].span.valid[:, column]
     residual = context.seen_with(hypothesis).residual(0, hypothesis, column)
-    return float(np.sqrt(np.mean(residual[kept] ** 2)))
+    return rms(residual[kept])

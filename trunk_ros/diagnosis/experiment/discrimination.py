@@ -11,6 +11,7 @@ from trunk_ros.chain import Chain
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.data.align import servo_span, wire_span
+from trunk_ros.diagnosis.data.noise import rms
 from trunk_ros.diagnosis.data.span import Span
 from trunk_ros.diagnosis.hypothesis import Hypothesis, bounds
 from trunk_ros.diagnosis.levels import CLEARLY, TENFOLD
@@ -191,7 +192,7 @@ class Duel:
             float(speed[0, column]),
             float(rests[column][row] * noise),
             noise,
-            float(np.sqrt(np.mean(rests[column] ** 2))),
+            rms(rests[column]),
             ratio,
         )
 

@@ -5,10 +5,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-import numpy as np
-
-from trunk_ros.compiled import Array
-from trunk_ros.diagnosis.data.noise import is_none
+from trunk_ros.diagnosis.data.noise import is_none, rms
 from trunk_ros.diagnosis.report.signals import concerns, contributions, entries, signals
 from trunk_ros.diagnosis.report.signature import figure_signature, reading
 from trunk_ros.diagnosis.report.style import image
@@ -133,15 +130,11 @@ def does(result: Answer, finding: Finding) -> str:
     mine = contributions(result, finding)
     held = {s.name: s for s in signals(result) if s.name in mine and concerns(finding, s.stage, s.name)}
     sizes = {
-        s.unit: max(_rms(mine[n][s.valid]) for n, s in held.items() if s.valid.any())
+        s.unit: max(rms(mine[n][s.valid]) for n, s in held.items() if s.valid.any())
         for s in held.values()
         if s.valid.any()
     }
     return listed([rounded(size, unit) for unit, size in sizes.items() if size > 0.0])
-
-
-def _rms(values: Array) -> float:
-    return float(np.sqrt(np.mean(values**2)))
 
 
 def ties(finding: Finding) -> list[str]:

@@ -13,7 +13,7 @@ from scipy.optimize import minimize
 
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.context import Context
-from trunk_ros.diagnosis.data.noise import WHITE, Noise
+from trunk_ros.diagnosis.data.noise import WHITE, Noise, rms
 from trunk_ros.diagnosis.data.surroundings import counted
 from trunk_ros.diagnosis.discrepancy.bank_weights import CUTS, FOLDS, WORTHS, Cuts, Source, Sums
 from trunk_ros.diagnosis.discrepancy.curves import curve_fit
@@ -131,7 +131,7 @@ def _price_of(noise: Noise) -> float:
 def _is_near(context: Context, hypothesis: Hypothesis, column: int) -> bool:
     """Whether what a hypothesis leaves goes no further than three times the noise of a column as it is."""
     rest = counted(context.views, context.evened(hypothesis, column), column)
-    return bool(np.mean(rest**2) < (THREEFOLD * context.noise[column].std) ** 2)
+    return rms(rest) < THREEFOLD * context.noise[column].std
 
 
 def is_shared(context: Context, hypothesis: Hypothesis, column: int) -> bool:
@@ -215,7 +215,7 @@ def likeliest_noise(context: Context, hypothesis: Hypothesis, column: int) -> tu
 
 def _likeliest(parts: Parts, known: float) -> tuple[Noise, float]:
     longest = SOME * max(len(rest) for rest, _, _ in parts)
-    rest_std = float(np.sqrt(np.mean(np.concatenate([rest[rows] for rest, _, rows in parts]) ** 2)))
+    rest_std = rms(np.concatenate([rest[rows] for rest, _, rows in parts]))
 
     def noise_at(x: Array) -> Noise:
         white, *coloured = np.exp(np.clip(x, -LOST, LOST)).tolist()

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from trunk_ros.compiled import Array
+from trunk_ros.diagnosis.data.noise import rms
 from trunk_ros.diagnosis.evidence.evidence import UNNAMED, likely
 from trunk_ros.diagnosis.evidence.residual_dependence import accounted
 from trunk_ros.diagnosis.levels import SURE
@@ -184,5 +185,5 @@ def unknown_arm_finding(problem: ArmProblem, share: float) -> Finding:
         parameters={},
         depends_on=["position", *varies],
         statement=f"{said}; {share:.0%} of it is left by lengths and tilt.",
-        evidence=evidence_of(float(np.sqrt(np.mean(off**2))), "The tip is not where the joints put it."),
+        evidence=evidence_of(rms(off), "The tip is not where the joints put it."),
     )

@@ -9,7 +9,7 @@ import numpy as np
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.context import LEAST
 from trunk_ros.diagnosis.data.motion_content import APART
-from trunk_ros.diagnosis.data.noise import FLOOR
+from trunk_ros.diagnosis.data.noise import FLOOR, rms
 from trunk_ros.diagnosis.evidence.residual_dependence import goes_on
 from trunk_ros.diagnosis.levels import LITTLE
 from trunk_ros.diagnosis.tip.data import UNITS, tip_data
@@ -52,8 +52,8 @@ def judged_tip(problem: ArmProblem, done: ArmFit) -> Told:
     tip = {
         signal: {
             "unit": UNITS[signal],
-            "rmse_before": _rms(before[:, k]),
-            "rmse_after": _rms(after[:, k]),
+            "rmse_before": rms(before[:, k]),
+            "rmse_after": rms(after[:, k]),
             "noise_floor": float(problem.noise[k]),
         }
         for k, signal in enumerate(problem.signals)
@@ -81,7 +81,3 @@ def _left(fitted: tuple[ArmProblem, ArmFit]) -> float:
     problem, done = fitted
     rest = np.concatenate(problem.residual(problem.known | done.values))
     return float(np.log(np.mean(rest**2, axis=0) + FLOOR**2).sum())
-
-
-def _rms(values: Array) -> float:
-    return float(np.sqrt(np.mean(values**2)))

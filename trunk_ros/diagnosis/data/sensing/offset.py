@@ -12,6 +12,7 @@ import numpy as np
 
 from trunk_ros.arm import Arm
 from trunk_ros.compiled import Array
+from trunk_ros.diagnosis.data.noise import rms
 from trunk_ros.diagnosis.data.sensing.physics import (
     CLOCKED,
     CREEPS,
@@ -91,7 +92,7 @@ def _lag(motion: Motion, joint: int) -> tuple[float, float]:
     if late > 0.0:
         return late, std
     band = -float(values[1:4] @ [1.0, load, 1.0])  # of friction: always, by load, at low speed
-    fades = -late * float(np.sqrt(np.mean(speed**2))) < band - float(motion.arm.dead_band[joint])
+    fades = -late * rms(speed) < band - float(motion.arm.dead_band[joint])
     creep = lowpassed(motion.stamp, motion.asked[:, joint], QUICK)
     beside, unsure = (each[0] for each in fitted(np.column_stack([features, creep]), off))
     creeps = abs(beside - late) > SURE * np.hypot(std, unsure) + PART * abs(late)
