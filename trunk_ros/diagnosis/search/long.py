@@ -83,11 +83,11 @@ def _anywhere(now: Fit) -> Fit:
     first, end = min(float(grid[0]) for grid in grids), max(float(grid[-1]) for grid in grids)
     step = (end - first) / EDGES
     every = np.linspace(first, end, EDGES + 1)[1:-1]
-    for name, column, moment in list(moments(now)):
-        rough = _better(now, moved(now, name, column, moment, every))
-        begin = rough.hypothesis[name].home(column)[moment]
+    for moment in list(moments(now)):
+        rough = _better(now, moved(now, moment, every))
+        begin = moment.home(rough.hypothesis)[moment.name]
         near = np.arange(begin - step, begin + step, REACH, dtype=np.float64)
-        now = _better(rough, moved(rough, name, column, moment, near))
+        now = _better(rough, moved(rough, moment, near))
     return now
 
 

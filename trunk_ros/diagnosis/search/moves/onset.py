@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from functools import partial
+from typing import NamedTuple
 
 import numpy as np
 
 from trunk_ros.compiled import Array
+from trunk_ros.diagnosis.hypothesis import Hypothesis
 from trunk_ros.diagnosis.search.descent import Desk, Group, Move
 from trunk_ros.diagnosis.search.fit import Fit, costed_on, refit, refit_column
 from trunk_ros.diagnosis.search.score import BETTER, need
@@ -17,20 +19,35 @@ REACH = 1.0  # s
 ROUGHLY, NEARBY = np.linspace(-REACH, REACH, 11), np.linspace(-0.2, 0.2, 11)  # s
 
 
-def moments(now: Fit) -> Iterator[tuple[str, int | None, str]]:
-    """(effect, column, parameter) of each moment that a hypothesis has; None where joints share it."""
+class Moment(NamedTuple):
+    """A parameter that says when; ``column`` None where joints share it."""
+
+    effect: str
+    column: int | None
+    name: str
+
+    def home(self, hypothesis: Hypothesis) -> dict[str, float]:
+        """The values among which it is."""
+        return hypothesis[self.effect].home(self.column)
+
+    def columns(self, now: Fit) -> list[int]:
+        """The joints that it may matter to."""
+        return now.context.columns if self.column is None else [self.column]
+
+
+def moments(now: Fit) -> Iterator[Moment]:
+    """Each moment that a hypothesis has."""
     for term in now.hypothesis.values():
         names = [p.name for p in effect(term.effect).used(term.form) if p.moment]
-        yield from ((term.effect, None, name) for name in names if name in term.shared)
+        yield from (Moment(term.effect, None, name) for name in names if name in term.shared)
         for column in now.context.judged(term):
-            yield from ((term.effect, column, name) for name in names if name in term.own[column])
+            yield from (Moment(term.effect, column, name) for name in names if name in term.own[column])
 
 
 def groups(best: Fit, desk: Desk) -> Iterator[Group]:
     """Each moment by itself, and that of several joints at once."""
-    for name, column, moment in moments(best):
-        columns = best.context.columns if column is None else [column]
-        yield Group((name, column, moment), columns, partial(_nearby, best, name, column, moment))
+    for moment in moments(best):
+        yield Group(moment, moment.columns(best), partial(_nearby, best, moment))
     yield from events(best)
 
 
@@ -75,12 +92,12 @@ def dated(now: Fit, name: str, on: int | None = None) -> Fit:
 def _dated(now: Fit, name: str, on: int | None) -> tuple[Fit, bool]:
     """The same once, and whether one of them is best at the end of what was looked at."""
     there, columns, far = Fit(now.hypothesis.copy(), now.cost, now.context), set[int | None](), False
-    for one, column, moment in moments(now):
-        if one == name and on in (None, column):
-            home = there.hypothesis[name].home(column)
-            before, home[moment] = home[moment], _nearest(there, name, column, moment)
-            far = far or abs(home[moment] - before) >= REACH
-            columns.add(column)
+    for moment in moments(now):
+        if moment.effect == name and on in (None, moment.column):
+            home = moment.home(there.hypothesis)
+            before, home[moment.name] = home[moment.name], _nearest(there, moment)
+            far = far or abs(home[moment.name] - before) >= REACH
+            columns.add(moment.column)
     if None in columns:
         return refit(now.context, there.hypothesis), far
     for column in (c for c in columns if c is not None):
@@ -88,37 +105,36 @@ def _dated(now: Fit, name: str, on: int | None) -> tuple[Fit, bool]:
     return there, far
 
 
-def _nearby(best: Fit, name: str, column: int | None, moment: str) -> Iterator[Fit]:
+def _nearby(best: Fit, moment: Moment) -> Iterator[Fit]:
     """Nearby, or where the joint was seen to be moved as it rested: it may have been this that moved it."""
-    yield moved(best, name, column, moment, _roughly(best, name, column, moment) + NEARBY)
-    knocks = [at for view in best.context.views for c, at in view.span.knocks if c == column]
+    yield moved(best, moment, _roughly(best, moment) + NEARBY)
+    knocks = [at for view in best.context.views for c, at in view.span.knocks if c == moment.column]
     if knocks:
-        yield moved(best, name, column, moment, np.array(sorted(knocks)))
+        yield moved(best, moment, np.array(sorted(knocks)))
 
 
-def _nearest(now: Fit, name: str, column: int | None, moment: str) -> float:
+def _nearest(now: Fit, moment: Moment) -> float:
     """Where [s] a moment fits best nearby, all else as it is."""
-    return best_time(now, name, column, moment, _roughly(now, name, column, moment) + NEARBY)
+    return _best_time(now, moment, _roughly(now, moment) + NEARBY)
 
 
-def _roughly(now: Fit, name: str, column: int | None, moment: str) -> float:
-    return best_time(now, name, column, moment, now.hypothesis[name].home(column)[moment] + ROUGHLY)
+def _roughly(now: Fit, moment: Moment) -> float:
+    return _best_time(now, moment, moment.home(now.hypothesis)[moment.name] + ROUGHLY)
 
 
-def moved(now: Fit, name: str, column: int | None, moment: str, at: Array) -> Fit:
+def moved(now: Fit, moment: Moment, at: Array) -> Fit:
     """With a moment at the best of ``at`` (k,) s."""
-    trial = now.hypothesis.copy()
-    trial[name].home(column)[moment] = best_time(now, name, column, moment, at)
+    trial, column = now.hypothesis.copy(), moment.column
+    moment.home(trial)[moment.name] = _best_time(now, moment, at)
     return refit(now.context, trial) if column is None else refit_column(now, trial, column)
 
 
-def best_time(now: Fit, name: str, column: int | None, moment: str, at: Array) -> float:
+def _best_time(now: Fit, moment: Moment, at: Array) -> float:
     """The best of ``at`` (k,) s, all else as it is."""
     trial, costs, at = now.hypothesis.copy(), [], np.maximum(at, 0.0)
-    columns = now.context.columns if column is None else [column]
     for one in at:
-        trial[name].home(column)[moment] = float(one)
-        costs.append(sum(float(np.sum(now.context.whitened(trial, c) ** 2)) for c in columns))
+        moment.home(trial)[moment.name] = float(one)
+        costs.append(sum(float(np.sum(now.context.whitened(trial, c) ** 2)) for c in moment.columns(now)))
     return float(at[int(np.argmin(costs))])
 
 
