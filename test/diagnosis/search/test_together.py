@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 
 from test.diagnosis.search.looks import context
-from trunk_ros.diagnosis.data.abreast import abreast
-from trunk_ros.diagnosis.data.seen import at, now_of
+from trunk_ros.diagnosis.data.seen import abreast, at, now_of
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
 from trunk_ros.diagnosis.search.candidates import Candidate, extended
 from trunk_ros.diagnosis.side_by_side import alike

@@ -11,7 +11,6 @@ import numpy as np
 
 from trunk_ros.arm import Arm
 from trunk_ros.compiled import Array
-from trunk_ros.diagnosis.data.abreast import abreast
 from trunk_ros.diagnosis.data.surroundings import View
 from trunk_ros.effects.effect import Now
 from trunk_ros.effects.moments import NOTHING, Payload
@@ -114,6 +113,13 @@ def now_of(view: View, arm: Arm, column: int, payload: Payload = NOTHING) -> Now
     )
     seen.known = Inertia(view, payload)
     return seen
+
+
+def abreast(columns: Sequence[Array]) -> Array:
+    """(n, k) of columns (n, 1), each of which lies in memory by itself: numpy goes through columns of a value
+    each five times as fast.
+    """
+    return np.concatenate([column.T for column in columns]).T
 
 
 def beside(now: Now, times: int) -> Now:
