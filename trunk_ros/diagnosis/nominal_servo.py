@@ -60,11 +60,10 @@ class Servos:
 
     def on(self, model: Model) -> Model:
         """The model with them, where it has joints of those names."""
-        arm, numbers = model.arm, _numbers_of(model.arm)
-        for j, joint in enumerate(arm.joints):
+        numbers = _numbers_of(model.arm)
+        for j, joint in enumerate(model.arm.joints):
             numbers[:, j] = self.numbers.get(joint, numbers[:, j])
-        own = dict(zip(SERVO_OF_EACH, numbers, strict=True))
-        return replace(model, arm=replace(arm, **own, servo_stated=True), setpoints=self.setpoints)
+        return replace(_with(model, numbers), setpoints=self.setpoints)
 
 
 def _numbers_of(arm: Arm) -> Array:

@@ -69,10 +69,10 @@ def ratios(result: Answer) -> list[Ratio]:
 
 
 @styled
-def figure_before_after(result: Answer, width: float = 5.2) -> Figure:
-    """Error of each signal on samples that no fit saw, in units of its noise; ``width`` in inches."""
+def figure_before_after(result: Answer) -> Figure:
+    """Error of each signal on samples that no fit saw, in units of its noise."""
     rows = ratios(result)
-    figure = Figure((width, 0.24 * len(rows) + 0.85), layout="constrained")
+    figure = Figure((5.2, 0.24 * len(rows) + 0.85), layout="constrained")
     axis = figure.subplots()
     fitted = bool(result.findings) and bool(rows)
     for y, row in enumerate(rows):

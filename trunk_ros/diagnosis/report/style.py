@@ -34,6 +34,7 @@ RC: Any = {  # newer matplotlib types the keys, older does not know the type
 FONT = "system-ui, -apple-system, 'Segoe UI', Roboto, 'Helvetica Neue', 'DejaVu Sans', sans-serif"
 SHARP = 190  # dots per inch of what is drawn as pixels
 LONGEST = 28
+CELLS = 400  # of an envelope
 PLAIN = FuncFormatter(lambda x, _: f"{x:g}")
 
 P = ParamSpec("P")
@@ -79,12 +80,12 @@ def label(name: str) -> str:
     return drawn if len(drawn) <= LONGEST else drawn[: LONGEST - 1] + "…"
 
 
-def envelope(stamp: Array, values: Array, cells: int = 400) -> tuple[Array, Array, Array]:
-    """Times and the least and greatest value (cells,) around each; NaN where a cell has none."""
-    edges = np.linspace(stamp[0], stamp[-1], cells + 1)
+def envelope(stamp: Array, values: Array) -> tuple[Array, Array, Array]:
+    """Times and the least and greatest value (CELLS,) around each; NaN where a cell has none."""
+    edges = np.linspace(stamp[0], stamp[-1], CELLS + 1)
     known = np.isfinite(values)
-    cell = np.clip(np.searchsorted(edges, stamp[known], side="right") - 1, 0, cells - 1)
-    low, high = np.full(cells, np.inf), np.full(cells, -np.inf)
+    cell = np.clip(np.searchsorted(edges, stamp[known], side="right") - 1, 0, CELLS - 1)
+    low, high = np.full(CELLS, np.inf), np.full(CELLS, -np.inf)
     np.minimum.at(low, cell, values[known])
     np.maximum.at(high, cell, values[known])
     empty = ~np.isfinite(low)
