@@ -25,7 +25,7 @@ from trunk_ros.diagnosis.search.slow_noise import (
     untimed,
     wandering_in,
 )
-from trunk_ros.diagnosis.search.trial import PROMISING, looks
+from trunk_ros.diagnosis.search.trial import looks
 from trunk_ros.diagnosis.work import Work
 from trunk_ros.recording.signal.resample import SLOW
 
@@ -73,7 +73,7 @@ def _bare(now: Fit, column: int) -> Hypothesis:
     kinds = [kind for kind in open_kinds(context, less, column) if kind.regime != "time"]
     able = (
         look
-        for look in looks(plain, less, column, kinds, PROMISING)
+        for look in looks(context, less, column, kinds)
         if not any(term.moments(column) for term in look.hypothesis.new_on(column, less))
     )
     best = sorted(able, key=lambda look: -look.gain)[:REFITTED]

@@ -21,7 +21,7 @@ from trunk_ros.diagnosis.search.candidates import kinds_of_all, open_kinds
 from trunk_ros.diagnosis.search.fit import Fit, Residuals, costed, refit
 from trunk_ros.diagnosis.search.formed import measured
 from trunk_ros.diagnosis.search.screen import Kept, Screen
-from trunk_ros.diagnosis.search.trial import PROMISING, looks, on_all_joints
+from trunk_ros.diagnosis.search.trial import looks, on_all_joints
 from trunk_ros.recording.signal.resample import SLOW
 
 
@@ -53,7 +53,7 @@ def _may_be_named(now: Fit, kept: Callable[[int], Kept], gained: float) -> bool:
 
     def alone(column: int) -> float:
         kinds = open_kinds(context, hypothesis, column)
-        found = looks(now, hypothesis, column, kinds, PROMISING, kept=kept(column))
+        found = looks(context, hypothesis, column, kinds, kept=kept(column))
         return max((look.gain for look in found), default=0.0)
 
     together = on_all_joints(Screen(context, hypothesis), kinds_of_all(context, hypothesis))

@@ -25,7 +25,7 @@ from trunk_ros.diagnosis.search.fit import Fit, costed, refit, refit_column
 from trunk_ros.diagnosis.search.formed import measured
 from trunk_ros.diagnosis.search.score import CURVE, FURTHER, need, score
 from trunk_ros.diagnosis.search.screen import PROMISED, Kept, Screen
-from trunk_ros.diagnosis.search.trial import PROMISING, looks, on_all_joints
+from trunk_ros.diagnosis.search.trial import looks, on_all_joints
 from trunk_ros.effects import effect
 from trunk_ros.effects.curve import Curve
 from trunk_ros.recording.signal.resample import SLOW
@@ -172,7 +172,7 @@ def _may_be_named(
     """
     context, known = now.context, now.context.noise[column]
     kinds = open_kinds(context, now.hypothesis, column)
-    found = list(looks(now, now.hypothesis, column, kinds, PROMISING, kept=kept))
+    found = list(looks(context, now.hypothesis, column, kinds, kept=kept))
     able = [look for look in found if look.gain / PROMISED > gained]
     if laws is None:
         return bool(able)

@@ -33,24 +33,23 @@ class Look:
 
 
 def column_trials(
-    best: Fit, bare: Hypothesis, column: int, kinds: list[type[Effect]], most: int, kept: Kept | None = None,
-    goal: float = np.inf,
-) -> Iterator[Fit]:  # fmt: skip
-    """The most promising effects on a joint of ``bare``, refitted there where they may beat ``best``, and
-    bring the score to a ``goal``.
+    best: Fit, column: int, kinds: list[type[Effect]], kept: Kept | None = None, goal: float = np.inf
+) -> Iterator[Fit]:
+    """The most promising further effects on a joint, refitted there where they may beat ``best``, and bring
+    the score to a ``goal``.
     """
-    yield from refitted(best, column, looks(best, bare, column, kinds, most, kept=kept), goal)
+    yield from refitted(best, column, looks(best.context, best.hypothesis, column, kinds, kept=kept), goal)
 
 
 def looks(
-    best: Fit, bare: Hypothesis, column: int, kinds: list[type[Effect]], most: int,
+    context: Context, bare: Hypothesis, column: int, kinds: list[type[Effect]],
     always: Collection[str] = (), kept: Kept | None = None,
 ) -> Iterator[Look]:  # fmt: skip
     """The most promising effects on a joint of ``bare`` and those of ``always``, in their promising forms."""
-    screen = Screen(best.context, bare, [column])
+    screen = Screen(context, bare, [column])
     left = screen.left(column)
-    for candidate in screen.ranked(kinds, column, most, always, kept):
-        there = extended(best.context, bare, candidate)
+    for candidate in screen.ranked(kinds, column, PROMISING, always, kept):
+        there = extended(context, bare, candidate)
         yield Look(there, left, candidate.gain, candidate.effect in always)
 
 

@@ -32,7 +32,7 @@ from trunk_ros.diagnosis.search.moves.swap_many import SWAP_MANY
 from trunk_ros.diagnosis.search.score import need, priced, score
 from trunk_ros.diagnosis.search.screen import Kept, Screen
 from trunk_ros.diagnosis.search.state import exactly
-from trunk_ros.diagnosis.search.trial import PROMISING, column_trials, may_win, on_all_joints, refit_to_win
+from trunk_ros.diagnosis.search.trial import column_trials, may_win, on_all_joints, refit_to_win
 from trunk_ros.effects import Effect, effect
 
 
@@ -131,7 +131,7 @@ def _tried(best: Fit, kept: dict[int, Kept], column: int) -> tuple[Trials, Kept]
     tried: Trials = {}
     kinds, before = open_kinds(best.context, best.hypothesis, column), unshown(best.context, best.hypothesis)
     kinds = [*kinds, *(breaking_kinds(best.context, best.hypothesis, column) if kinds else ())]
-    for trial in column_trials(best, best.hypothesis, column, kinds, PROMISING, kept[column]):
+    for trial in column_trials(best, column, kinds, kept[column]):
         alone = unshown(trial.context, trial.hypothesis) <= before
         gain, key = priced(best) - priced(trial), (_added(best.hypothesis, trial.hypothesis, column), alone)
         if gain > (tried[key].gain if key in tried else 0.0):

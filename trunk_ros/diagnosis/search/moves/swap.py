@@ -34,7 +34,7 @@ def _looks(best: Fit, column: int) -> Iterator[Look]:
     for gone in [*((a,) for a in local), *combinations(local, 2)]:
         bare = best.hypothesis.less(gone, column)
         like = {other for name in gone for other in confused(name)}
-        yield from looks(best, bare, column, open_kinds(best.context, bare, column), PROMISING, like)
+        yield from looks(best.context, bare, column, open_kinds(best.context, bare, column), like)
 
 
 SWAP = Move("swap", groups)

@@ -24,7 +24,7 @@ from trunk_ros.diagnosis.search.moves.swap_many import on_most
 from trunk_ros.diagnosis.search.score import SIGNIFICANT, need, score
 from trunk_ros.diagnosis.search.screen import PROMISED, Screen
 from trunk_ros.diagnosis.search.state import exactly
-from trunk_ros.diagnosis.search.trial import PROMISING, column_trials, refit_to_win
+from trunk_ros.diagnosis.search.trial import column_trials, refit_to_win
 from trunk_ros.effects import Effect, effect
 
 
@@ -150,7 +150,7 @@ def with_what_it_stood_for(was: Fit, trial: Fit) -> Fit:
             break  # whatever explains it
         goal = score(was) + sum(may_go.values()) - may_go.pop(column)
         kinds = open_kinds(context, trial.hypothesis, column)
-        found = column_trials(trial, trial.hypothesis, column, kinds, PROMISING, goal=goal)
+        found = column_trials(trial, column, kinds, goal=goal)
         trial = min(found, key=score, default=trial)
     return trial
 
