@@ -52,7 +52,7 @@ class Error:
 
 
 def _between(state: Fit) -> dict[int, tuple[float, float]]:
-    """Zero and usual error [rad] of each column's recordings, each judged by a fit to others."""
+    """Usual error and zero [rad] of each column's recordings, each judged by a fit to others."""
     context, many = state.context, len(state.context.views)
     left: dict[int, list[list[Block]]] = {c: [] for c in context.columns}
     for fold in range(min(many, FOLDS)):
@@ -64,7 +64,7 @@ def _between(state: Fit) -> dict[int, tuple[float, float]]:
         others = free_run(others, fitted)
         for c, runs in left.items():
             runs += compress(_cuts(context, _errors(others, fitted, c), c), out)
-    return {c: _zero(runs) for c, runs in left.items()}
+    return {c: _usual_and_zero(runs) for c, runs in left.items()}
 
 
 def held_out(state: Fit) -> dict[int, Error]:
@@ -81,10 +81,9 @@ def held_out(state: Fit) -> dict[int, Error]:
     before = {c: list(chain.from_iterable(blocks)) for c, blocks in every.items()}
     floors = honest(context, state.hypothesis).noise
     noise = {c: floors[c].std for c in context.columns}
-    if len(context.views) == 1:
-        return {c: Error(*_rms(before[c]), *_rms(after[c]), noise[c], _usual(after[c])) for c in noise}
-    new = _between(state)
-    return {c: Error(*_rms(before[c]), *_rms(after[c]), noise[c], new[c][1], new[c][0]) for c in noise}
+    several = len(context.views) > 1
+    new = _between(state) if several else {c: (_usual(after[c]), 0.0) for c in noise}
+    return {c: Error(*_rms(before[c]), *_rms(after[c]), noise[c], *new[c]) for c in noise}
 
 
 def _unseen(state: Fit, fold: int) -> Iterator[tuple[int, list[Array]]]:
@@ -143,14 +142,14 @@ def _cut(error: Array, valid: np.ndarray, folds: tuple[int, ...]) -> list[Block]
     return [Block(len(e), float(e.mean()), float(np.mean(e**2))) for e in chosen if len(e)]
 
 
-def _zero(runs: list[list[Block]]) -> tuple[float, float]:
-    """What errors by recording and block have throughout, beyond what means over blocks that differ have by
-    chance, and what they vary by usually.
+def _usual_and_zero(runs: list[list[Block]]) -> tuple[float, float]:
+    """What errors by recording and block vary by usually, and what they have throughout, beyond what means
+    over blocks that differ have by chance.
     """
     means = [np.array([block.mean for block in blocks]) for blocks in runs]
     power = [m.mean() ** 2 - m.var(ddof=1) / len(m) for m in means if len(m) > 1]
     rest = [_beside(block, m.mean()) for blocks, m in zip(runs, means, strict=True) for block in blocks]
-    return float(np.sqrt(max(np.mean(power or [0.0]), 0.0))), _usual(rest)
+    return _usual(rest), float(np.sqrt(max(np.mean(power or [0.0]), 0.0)))
 
 
 def _beside(block: Block, zero: float) -> Block:
