@@ -18,6 +18,7 @@ WIDTH = 100
 NEEDS = {
     "load": "the load, from masses in the model or recorded effort",
     "weight": "masses in the model",
+    "effort": "recorded effort",
     "dead_band": "a nominal backlash in the model",
     "several": "more than one joint",
 }

@@ -241,7 +241,7 @@ class Diagnoser:
         had = {name: v for name, v in self.model.effects.items() if effect(name).stage == stage.name}
         self.effects |= on_the_arm(effects, had, stage.joints, self.model.arm.joints, said)
         run = honest(free_run(context, state.hypothesis), state.hypothesis)
-        rests = left_over(run, state.hypothesis)
+        rests = left_over(run, state.hypothesis, errors)
         self.result.unexplained += rests
         strong = {stage.joints[c] for c, p in powers(run, state.hypothesis).items() if p > 1.0}
         told = {j for f in new if not f.named for j in f.joints}

@@ -27,6 +27,7 @@ from trunk_ros.recording.topics import COMPARED, TIP, TOPICS
 LACKS = {
     "load": "the load is unknown: give masses in the model, or record effort",
     "weight": "the model has no masses",
+    "effort": "what the motors pull was not recorded",
     "dead_band": "the model has no nominal backlash",
     "several": "there is one joint only",
 }

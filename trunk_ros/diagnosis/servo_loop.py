@@ -14,9 +14,11 @@ from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.hypothesis import Hypothesis
 from trunk_ros.diagnosis.levels import HALF, OUTLIERS
 from trunk_ros.diagnosis.search.candidates import Candidate, extended, usable
-from trunk_ros.guards import TINY
+from trunk_ros.diagnosis.search.starts import Starts
+from trunk_ros.guards import ROUNDED, TINY
 from trunk_ros.parameter import leading
 
+RECORDED = "effort"  # what effects need that go by a recorded torque
 STIFFEST = 2000.0  # 1/s: what answers faster is where it was asked to be, for all that can be seen
 SWINGS = 1.0 / (2.0 * HALF) ** 2  # kp tau_v of a loop with half of critical damping: no servo swings longer
 STEPS = np.array([0.01, 0.01, 0.01, 1e-3, 0.01])  # of logarithms, s, and a share
@@ -41,8 +43,10 @@ class Loop:
     column: int
     low: Array
     high: Array
-    pulled: Hypothesis | None = None
-    """With the load pulling at the servo, by as much as leaves least; None: nothing does."""
+    pulled: tuple[Hypothesis, ...] = ()
+    """With the load pulling at the servo, and with what of its torque the drive may feed forward, each by as
+    much as leaves least; none: nothing does.
+    """
 
     @staticmethod
     def of(context: Context, column: int) -> Loop:
@@ -61,8 +65,13 @@ class Loop:
         kind, known = loads[0], context.known
         lead = leading(kind.own_parameters(kind.apart))
         start = {lead.name: lead.typical * lead.under(float(context.stage.loads[column]))}
-        pulled = extended(context, known, Candidate(kind.id, kind.apart, column, start))
-        return replace(Loop.of(context, column), pulled=pulled)
+        pulls = [Candidate(kind.id, kind.apart, column, start)]
+        fed = [other for other in usable(context) if RECORDED in other.needs]
+        begin = Starts(context, known, [column])
+        pulls += [
+            Candidate(f.id, f.forms[0], column, at) for f in fed for at in begin.on(f, f.forms[0], column)
+        ]
+        return replace(Loop.of(context, column), pulled=tuple(extended(context, known, p) for p in pulls))
 
     def at(self, numbers: Array) -> Array:
         """(5,) what is fitted, within its bounds, where a servo has the ``numbers`` (5,)."""
@@ -79,10 +88,10 @@ class Loop:
         own = dict(zip(SERVO_OF_EACH, numbers.tolist(), strict=True))
         here = replace(self.context, stage=self.context.stage.of(replace(self.context.arm, **own)))
         rest = here.whitened(self.context.known, self.column)
-        if self.pulled is None:
+        if not self.pulled:
             return rest
-        moved = here.whitened(self.pulled, self.column) - rest
-        return rest - moved * float(rest @ moved) / max(float(moved @ moved), TINY)
+        moved = np.column_stack([here.whitened(pulled, self.column) - rest for pulled in self.pulled])
+        return np.asarray(rest - moved @ np.linalg.lstsq(moved, rest, rcond=ROUNDED)[0])
 
     def fitted(
         self, start: Array, method: Literal["dogbox", "trf"] = "trf", tau_v: float | None = None

@@ -118,6 +118,12 @@ class Stage(ABC):
         """Whether the moment on the joints is known, computed or measured."""
         return self.arm.has_load or self.views[0].span.resistance is not None
 
+    @property
+    def load_recorded(self) -> bool:
+        """Whether that moment is a recorded torque, in place of the weight."""
+        known = self.views[0].span.resistance
+        return known is not None and not known.weighs
+
     def bears(self, column: int) -> bool:
         """Whether a joint feels any load: one about a vertical axis does not."""
         return self._bears[column]

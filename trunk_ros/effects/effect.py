@@ -94,8 +94,8 @@ class Effect(ABC):
     view: ClassVar[View | None] = None
     """What its signature is drawn over, where that is not what its regime says."""
     needs: ClassVar[tuple[str, ...]] = ()
-    """``load``: it must be known, by masses or effort; ``weight``: by masses; ``dead_band``: nominal
-    dead bands to compare; ``several``: more than one joint.
+    """``load``: it must be known, by masses or effort; ``weight``: by masses; ``effort``: by effort;
+    ``dead_band``: nominal dead bands to compare; ``several``: more than one joint.
     """
     replaces: ClassVar[tuple[str, ...]] = ()
     """Effects that this one includes: never both at once."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -58,6 +58,10 @@ class Louder:
         loud = self.at(speed, column)
         even = signal if isinstance(loud, float) else signal / loud
         return even if burst is None else even / burst
+
+    def but_on(self, columns: Collection[int]) -> Louder:
+        """The same with noise that does not grow on some joints."""
+        return Louder(tuple(NONE if c in columns else one for c, one in enumerate(self.each)))
 
 
 CONSTANT = Louder()

@@ -65,6 +65,12 @@ class Noise:
         return max(self.correlation, self.slow[1] if self.slow[0] > 0.0 else 0.0)
 
     @property
+    def roughness(self) -> float:
+        """Standard deviation of the white noise whose fourth differences are as large."""
+        smooth = self._coloured * _gain(self.correlation, 1) + self.slow[0] ** 2 * _gain(self.slow[1], 1)
+        return sqrt(smooth / _gain(0.0, 1) + self.white**2)
+
+    @property
     def _coloured(self) -> float:
         return self.std**2 - self.white**2 - self.slow[0] ** 2
 
@@ -207,6 +213,15 @@ def fourth_differences(residual: Array, mask: np.ndarray, stride: int = 1) -> tu
     parts = [slice(k * stride, ends + k * stride) for k in range(len(BINOMIAL))]
     difference = sum((c * residual[part] for c, part in zip(BINOMIAL, parts, strict=True)), np.zeros(ends))
     return difference, np.all([mask[part] for part in parts], axis=0)
+
+
+def roughness_of(readings: list[Array], masks: list[np.ndarray]) -> float:
+    """The most white noise that readings (n,) of each recording can hold, where they count (n,): all that
+    they are rough by, the motion too.
+    """
+    seen = [fourth_differences(*each) for each in zip(readings, masks, strict=True)]
+    rough = np.concatenate([np.zeros(1), *(difference[whole] for difference, whole in seen)])
+    return float(np.sqrt(np.mean(rough**2) / (BINOMIAL @ BINOMIAL)))
 
 
 def _robust(residuals: list[Array], masks: list[np.ndarray], stride: int) -> float:

@@ -1,4 +1,6 @@
-"""Noise that only motion makes is none: what a sensor remembers goes on while its joint rests."""
+"""Noise that only motion makes is none: what a sensor remembers goes on while its joint rests, and what is in
+its readings makes them rough.
+"""
 
 from __future__ import annotations
 
@@ -8,23 +10,38 @@ import numpy as np
 
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.context import Context
-from trunk_ros.diagnosis.data.noise import Noise
+from trunk_ros.diagnosis.data.noise import Noise, roughness_of
 from trunk_ros.diagnosis.hypothesis import Hypothesis
 from trunk_ros.diagnosis.knocks import standing
-from trunk_ros.diagnosis.levels import CERTAIN, ENOUGH, FEWEST, PART
+from trunk_ros.diagnosis.levels import CERTAIN, CLEARLY, ENOUGH, FEWEST, PART
 from trunk_ros.recording.signal.resample import SLOW
 
 
 def honest(context: Context, hypothesis: Hypothesis) -> Context:
     """With the noise that joints at rest show, where these surely lie still, each rest at a place of its own,
     rather than wander as their noise would: that a place is off by another amount is no noise of a sensor.
+    Shafts are asked for what is exact: their noise is in their readings, or there is none.
     """
-    if context.stage.name != "wire" or context.step >= SLOW:
+    if context.step >= SLOW:
         return context
+    if context.stage.name != "wire":
+        return _as_read(context)
     told = {c: _at_rest(context, hypothesis, c) for c in context.columns if context.noise[c].remembers > 0.0}
     if not any(told.values()):
         return context
     return replace(context, noise=tuple(told.get(c) or n for c, n in enumerate(context.noise)))
+
+
+def _as_read(context: Context) -> Context:
+    """With noise that is in the readings, on columns whose readings are clearly smoother than theirs."""
+    told = {}
+    for c in context.columns:
+        seen = [view.columns[c] for view in context.views]
+        most = roughness_of([s.target for s in seen], [s.valid for s in seen])
+        if CLEARLY * most < context.noise[c].roughness:
+            told[c] = Noise(float(np.hypot(most, context.stage.resolution(c))))
+    noise = tuple(told.get(c, n) for c, n in enumerate(context.noise))
+    return replace(context, noise=noise, louder=context.louder.but_on(told)) if told else context
 
 
 def _at_rest(context: Context, hypothesis: Hypothesis, column: int) -> Noise | None:

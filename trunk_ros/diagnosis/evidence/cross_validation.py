@@ -17,6 +17,7 @@ from trunk_ros.diagnosis.discrepancy.memory import redrawn_banks, without_banks
 from trunk_ros.diagnosis.evidence.at_rest import honest
 from trunk_ros.diagnosis.free_run import free_run
 from trunk_ros.diagnosis.hypothesis import Hypothesis
+from trunk_ros.diagnosis.levels import SURE
 from trunk_ros.diagnosis.search.fit import Fit, refit
 
 BLOCKS = 10
@@ -49,6 +50,10 @@ class Error:
     """What a recording that was not seen is off by throughout, rms: an encoder is homed anew, a camera stands
     elsewhere. 0 of one recording alone.
     """
+    sure: float = 0.0
+    """What the error afterwards surely comes to, by its scatter over blocks, with noise that grows with speed
+    in the measure of that at rest.
+    """
 
 
 def _between(state: Fit) -> dict[int, tuple[float, float]]:
@@ -73,9 +78,11 @@ def held_out(state: Fit) -> dict[int, Error]:
     """
     context = state.context
     after: dict[int, list[Block]] = {c: [] for c in context.columns}
+    even: dict[int, list[Block]] = {c: [] for c in context.columns}
     for fold in (0, 1):
         for c, errors in _unseen(state, fold):
             after[c] += chain.from_iterable(_cuts(context, errors, c, (fold,)))
+            even[c] += chain.from_iterable(_cuts(context, context.even(errors, c), c, (fold,)))
     nominal = free_run(context.seen_with(context.known), context.known)
     every = {c: _cuts(context, _errors(nominal, context.known, c), c) for c in context.columns}
     before = {c: list(chain.from_iterable(blocks)) for c, blocks in every.items()}
@@ -83,7 +90,7 @@ def held_out(state: Fit) -> dict[int, Error]:
     noise = {c: floors[c].std for c in context.columns}
     several = len(context.views) > 1
     new = _between(state) if several else {c: (_usual(after[c]), 0.0) for c in noise}
-    return {c: Error(*_rms(before[c]), *_rms(after[c]), noise[c], *new[c]) for c in noise}
+    return {c: Error(*_rms(before[c]), *_rms(after[c]), noise[c], *new[c], _least(even[c])) for c in noise}
 
 
 def _unseen(state: Fit, fold: int) -> Iterator[tuple[int, list[Array]]]:
@@ -160,6 +167,12 @@ def _beside(block: Block, zero: float) -> Block:
 
 def _usual(blocks: list[Block]) -> float:
     return float(np.sqrt(np.median([b.power for b in blocks]))) if blocks else float("nan")
+
+
+def _least(blocks: list[Block]) -> float:
+    """What errors surely come to, rms."""
+    rms, std = _rms(blocks)
+    return max(rms - SURE * std, 0.0) if blocks else 0.0
 
 
 def _rms(blocks: list[Block]) -> tuple[float, float]:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 
 from trunk_ros.compiled import Array
@@ -10,6 +12,7 @@ from trunk_ros.diagnosis.data.motion_content import PLACES
 from trunk_ros.diagnosis.data.surroundings import counted
 from trunk_ros.diagnosis.discrepancy.curves import variables
 from trunk_ros.diagnosis.discrepancy.spectrum import spectrum
+from trunk_ros.diagnosis.evidence.cross_validation import Error
 from trunk_ros.diagnosis.hypothesis import Hypothesis
 from trunk_ros.diagnosis.levels import HALF, PART, ROUGHLY, SLIGHT, SURE
 from trunk_ros.diagnosis.search.formed import behind, but_for_a_lag, off_by
@@ -17,11 +20,17 @@ from trunk_ros.effects.curve import abscissa, words_of
 from trunk_ros.recording.signal.resample import SLOW
 
 
-def rests(context: Context, hypothesis: Hypothesis) -> dict[int, float]:
+def rests(
+    context: Context, hypothesis: Hypothesis, errors: Mapping[int, Error] | None = None
+) -> dict[int, float]:
     """Columns whose residual is above the noise, and what the model's own laws may be off by: power over the
-    noise's, less one. Of the noise as the context has it, see ``at_rest.honest``.
+    noise's, less one. Of the noise as the context has it, see ``at_rest.honest``. ``errors``: also what
+    surely is so of blocks that the fit has not seen, of columns on which something was found.
     """
     power = {c: _power(context, hypothesis, c) for c in context.columns}
+    for c, error in (errors or {}).items():
+        if c in power and hypothesis.new_on(c, context.known):
+            power[c] = max(power[c], (error.sure / context.noise[c].std) ** 2 - 1.0)
     least = {c: max(context.rest(c), _of_laws(context, c) / context.count(c)) for c in power}
     return {c: p for c, p in power.items() if p > least[c] and _coherent(context, hypothesis, c)}
 

@@ -47,6 +47,7 @@ def what_it_has(context: Context) -> dict[str, bool]:
     return {
         "load": context.stage.has_load,
         "weight": arm.has_load,
+        "effort": context.stage.load_recorded,
         "dead_band": bool(np.sum(arm.dead_band[context.columns] > 0) > 1),
         "several": len(arm.joints) > 1,
     }

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, replace
 from typing import Any
 
@@ -10,6 +10,7 @@ import numpy as np
 
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.data.noise import is_none
+from trunk_ros.diagnosis.evidence.cross_validation import Error
 from trunk_ros.diagnosis.evidence.determined import Determined
 from trunk_ros.diagnosis.evidence.evidence import UNNAMED, Evidence
 from trunk_ros.diagnosis.evidence.residual_dependence import depends_on, rests
@@ -176,12 +177,14 @@ def _said(name: str, value: dict[str, Any]) -> str:
     return f"{name}{' ' if isinstance(value['value'], str) or is_open(value) else ' = '}{as_read(value)}"
 
 
-def left_over(context: Context, hypothesis: Hypothesis) -> list[Unexplained]:
-    """What is left after all findings, if it is more than the noise, joints that vary with the same thing
-    together.
+def left_over(
+    context: Context, hypothesis: Hypothesis, errors: Mapping[int, Error] | None = None
+) -> list[Unexplained]:
+    """What is left after all findings, if it is more than the noise, also of blocks that the fit has not seen
+    (``errors``), joints that vary with the same thing together.
     """
     found: dict[tuple[str, ...], list[tuple[str, float, float]]] = {}
-    for column, power in rests(context, hypothesis).items():
+    for column, power in rests(context, hypothesis, errors).items():
         if power < 1.0:
             continue
         varies = depends_on(context, hypothesis, column)
