@@ -23,8 +23,15 @@ def held(period: float) -> JointSeries:
 
 
 def test_a_play_of_a_third_of_the_motion_is_a_wide_loop_and_one_of_a_hundredth_is_not() -> None:
-    assert is_wide(SWING, SPEED, played(0.3))
-    assert not is_wide(SWING, SPEED, played(0.01))
+    assert is_wide(SWING, SPEED, played(0.3), SWING + played(0.3))
+    assert not is_wide(SWING, SPEED, played(0.01), SWING + played(0.01))
+
+
+def test_a_loop_is_as_wide_of_a_drive_whose_ratio_nobody_knew() -> None:
+    """Volts for micrometres: a loop of a third of what the stack moves is one of a hundredth of the volts."""
+    for half_width, wide in ((0.3, True), (0.01, False)):
+        shown = SWING + played(half_width)
+        assert is_wide(30.0 * SWING, 30.0 * SPEED, shown - 30.0 * SWING, shown) == wide
 
 
 def test_a_swing_at_one_pace_tells_nothing_of_speed_and_one_at_two_paces_does() -> None:

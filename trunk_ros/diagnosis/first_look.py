@@ -61,20 +61,21 @@ def _loop(context: Context, column: int) -> tuple[bool, bool]:
     """Whether a column shows a wide loop and always moves alike, and whether it goes through none of it
     twice.
     """
-    position, speed, rest = _motion(context, column)
-    if not is_wide(position, speed, rest):
+    position, speed, rest, shown = _motion(context, column)
+    if not is_wide(position, speed, rest, shown):
         return False, False
     alike = context.step < SLOW and not speed_tells(position, speed)
     return alike, not repeats(position, speed)
 
 
-def _motion(context: Context, column: int) -> tuple[Array, Array, Array]:
-    """Gearbox angle, speed and what no effect explains (rows,) where a column counts."""
+def _motion(context: Context, column: int) -> tuple[Array, Array, Array, Array]:
+    """Gearbox angle, speed, what no effect explains and what was measured (rows,) where a column counts."""
     out = []
     for index, view in enumerate(context.views):
         now, valid = context.now(index, column), view.span.valid[:, column]
         rows = view.span.rows[valid]
         residual = context.residual(index, Hypothesis(), column)[valid]
-        out.append((now.gearbox[rows, 0], now.speed[rows, 0], residual))
-    position, speed, rest = (np.concatenate(parts) for parts in zip(*out, strict=True))
-    return position, speed, rest
+        shown = view.span.target[valid, column]
+        out.append((now.gearbox[rows, 0], now.speed[rows, 0], residual, shown))
+    position, speed, rest, told = (np.concatenate(parts) for parts in zip(*out, strict=True))
+    return position, speed, rest, told

@@ -117,7 +117,7 @@ def _beside_wide_loops(u: Array, speed: Array, target: Array, valid: np.ndarray)
     """
     out = np.ones_like(valid)
     for j, seen in enumerate(valid.T):
-        if is_wide(u[seen, j], speed[seen, j], (target - u)[seen, j]):
+        if is_wide(u[seen, j], speed[seen, j], (target - u)[seen, j], target[seen, j]):
             out[:, j] = turned(u[:, j])
     return out
 

@@ -17,15 +17,17 @@ STANDS = 3e-4  # rad: a joint that moves less stands
 MOVED = 0.15  # of the range: the way after which a joint has turned, and how it lay is forgotten
 
 
-def is_wide(position: Array, speed: Array, residual: Array) -> bool:
-    """Whether the residual (n,) of a joint on its way up and on its way down differs by much of the
-    motion.
+def is_wide(position: Array, speed: Array, residual: Array, shown: Array) -> bool:
+    """Whether the residual (n,) of a joint on its way up and on its way down differs by much of the motion;
+    of what the joint has ``shown`` (n,) of it, where nobody knew its ratio.
     """
     if not len(position) or np.ptp(position) == 0.0:
         return False
     down, up = _means(_cells(position, speed), residual).reshape(2, PLACES)
     both = (up - down)[np.isfinite(up - down)]
-    return bool(both.size and np.sqrt(np.mean(both**2)) > PART * np.std(position))
+    went, foretold = float(np.std(shown)), float(np.std(shown - residual))
+    moved = float(np.std(position)) * (went / foretold if went < foretold else 1.0)
+    return bool(both.size and np.sqrt(np.mean(both**2)) > PART * moved)
 
 
 def speed_tells(position: Array, speed: Array) -> bool:

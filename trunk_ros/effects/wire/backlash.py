@@ -20,7 +20,7 @@ class Backlash(Effect):
         Parameter(
             "half_width",
             "rad",
-            (0.0, 1.0),
+            (0.0, 1e3),
             "added half-width of the dead band",
             typical=3e-4,
             scan=(3e-4, 3e-3),

@@ -56,7 +56,7 @@ class PreslidingHysteresis(Effect):
         Parameter(
             "width",
             "rad",
-            (0.0, 3.0),
+            (0.0, 1e3),
             "half the travel after a reversal until it slides fully, less w",
             typical=1e-3,
             scan=(5e-4, 2e-3),
@@ -66,7 +66,7 @@ class PreslidingHysteresis(Effect):
             null=1.0, scale="log",
         ),
         Parameter("through", "1", (0.0, 0.9), "share of the motion that gets past what sticks", typical=0.2),
-        Parameter("bend", "rad", (0.0, 3.0), "travel of the joint that its friction gives by", typical=5e-4),
+        Parameter("bend", "rad", (0.0, 1e3), "travel of the joint that its friction gives by", typical=5e-4),
     )  # fmt: skip
     confused_with = (
         ("backlash", "reverse with small amplitudes: backlash lets nothing through"),
