@@ -12,6 +12,7 @@ from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.data.align import hidden_by_gaps, servo_span, wire_span
 from trunk_ros.diagnosis.data.motion_content import STANDS, top_speed
 from trunk_ros.diagnosis.discrepancy.jumps import turns_of
+from trunk_ros.diagnosis.evidence.at_rest import honest
 from trunk_ros.diagnosis.first_look import first_look
 from trunk_ros.diagnosis.search.candidates import DYNAMIC, usable, what_it_has
 from trunk_ros.diagnosis.servo import ServoStage
@@ -70,7 +71,8 @@ def _prospect(recording: Recording, model: Model, stage: str) -> Prospect:
         context = first_look(made)
     except TrunkError as error:
         return Prospect(stage, str(error))
-    judged = {context.joints[c]: context.noise[c].std for c in context.columns}
+    noise = honest(context, context.known).noise
+    judged = {context.joints[c]: noise[c].std for c in context.columns}
     silent = [joint for joint in context.joints if joint not in judged]
     if not judged:
         hidden = hidden_by_gaps(recording) if stage == "servo" else ""
