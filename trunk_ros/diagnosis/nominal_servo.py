@@ -204,11 +204,12 @@ def _loop(context: Context, column: int, told: Array) -> tuple[Loop, Array, floa
     """
     loop = Loop.of(context, column)
     numbers, cost = _fitted(loop, told)
-    pulled = None if _is_explained(loop, cost) else Loop.pulled_at(context, column)
-    if pulled is not None:
+    least = cost
+    for pulled in [] if _is_explained(loop, cost) else Loop.pulled_at(context, column):
         others, less = _fitted(pulled, told)
-        if CLEARLY**2 * less < cost:
-            return pulled, others, less
+        if CLEARLY**2 * less < least:  # what is pulled by more is clearly better than by less of it
+            loop, numbers, cost = pulled, others, less
+        least = min(least, less)
     return loop, numbers, cost
 
 
@@ -264,9 +265,12 @@ def _told_speed(context: Context, column: int, found: Array) -> Array:
 
 def _at(context: Context, column: int, found: Array) -> Loop:
     """The loop of numbers that were ``found`` (5,), pulled by the load where that explains clearly more."""
-    loop, pulled = Loop.of(context, column), Loop.pulled_at(context, column)
-    there = pulled is not None and CLEARLY**2 * pulled.left(found) < loop.left(found)
-    return pulled if pulled is not None and there else loop
+    loop = Loop.of(context, column)
+    least = loop.left(found)
+    for pulled in Loop.pulled_at(context, column):
+        less = pulled.left(found)
+        loop, least = (pulled if CLEARLY**2 * less < least else loop), min(least, less)
+    return loop
 
 
 def _with_top(loop: Loop, best: Array, other: Array) -> Array:

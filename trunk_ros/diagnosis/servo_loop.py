@@ -57,21 +57,21 @@ class Loop:
         return Loop(context, column, low, high)
 
     @staticmethod
-    def pulled_at(context: Context, column: int) -> Loop | None:
-        """Of the same joint with what it bears pulling at its servo; None where nothing is known of that."""
+    def pulled_at(context: Context, column: int) -> list[Loop]:
+        """Of the same joint with what it bears pulling at its servo, and also with what the drive may feed
+        forward of that; none where nothing is known of it.
+        """
         loads = [kind for kind in usable(context) if kind.bears(kind.apart) and kind.apart]
         if not loads or not context.stage.bears(column):
-            return None
-        kind, known = loads[0], context.known
+            return []
+        kind, known, loop = loads[0], context.known, Loop.of(context, column)
         lead = leading(kind.own_parameters(kind.apart))
         start = {lead.name: lead.typical * lead.under(float(context.stage.loads[column]))}
-        pulls = [Candidate(kind.id, kind.apart, column, start)]
-        fed = [other for other in usable(context) if RECORDED in other.needs]
-        begin = Starts(context, known, [column])
-        pulls += [
-            Candidate(f.id, f.forms[0], column, at) for f in fed for at in begin.on(f, f.forms[0], column)
-        ]
-        return replace(Loop.of(context, column), pulled=tuple(extended(context, known, p) for p in pulls))
+        begin, fed = Starts(context, known, [column]), [k for k in usable(context) if RECORDED in k.needs]
+        more = [Candidate(k.id, k.forms[0], column, s) for k in fed for s in begin.on(k, k.forms[0], column)]
+        pulls = [extended(context, known, c) for c in (Candidate(kind.id, kind.apart, column, start), *more)]
+        loops = [replace(loop, pulled=tuple(pulls[:1])), replace(loop, pulled=tuple(pulls))]
+        return loops if more else loops[:1]
 
     def at(self, numbers: Array) -> Array:
         """(5,) what is fitted, within its bounds, where a servo has the ``numbers`` (5,)."""
