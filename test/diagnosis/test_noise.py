@@ -6,7 +6,7 @@ from scipy.signal import lfilter
 
 from test.diagnosis.arms import diagnose
 from trunk_ros.chain import Chain
-from trunk_ros.diagnosis.data.noise import Noise, noise_of, off_by_chance
+from trunk_ros.diagnosis.data.noise import Noise, noise_of, off_by_chance, roughness_of
 from trunk_ros.evaluate.score import score
 from trunk_ros.evaluate.signals import Signal
 from trunk_ros.evaluate.source import Prediction
@@ -147,3 +147,10 @@ def test_noise_of_which_only_a_slow_part_is_left_is_whitened_as_well() -> None:
     white = np.random.default_rng(3).normal(size=N) * np.sqrt(noise.std**2 - noise.slow[0] ** 2)
     rest = noise.whiten(slow + white, EVERYWHERE)
     assert abs(np.mean(rest[1:] * rest[:-1])) < 0.05
+
+
+def test_readings_are_as_rough_as_the_noise_that_is_in_them() -> None:
+    white = 3e-5 * np.random.default_rng(4).standard_normal(N)
+    readings = np.sin(np.arange(N) / 500.0) + coloured(0.9) + white
+    noise = Noise(float(np.hypot(1e-4, 3e-5)), 0.9, 3e-5)
+    assert roughness_of([readings], [EVERYWHERE]) == pytest.approx(noise.roughness, rel=0.03)
