@@ -17,6 +17,7 @@ class Unknown(Curve):
         "burst",
         "clock_step",
         "early",
+        "filtered",
         "hum",
         "knocks",
         "repeats",

@@ -9,7 +9,7 @@ import numpy as np
 from trunk_ros.arm import Arm
 from trunk_ros.diagnosis.data.sensing.offset import Offset, early, in_stamps, step
 from trunk_ros.diagnosis.data.sensing.pairs import pair, seen, told
-from trunk_ros.diagnosis.data.sensing.readings import how_coarse, read_when, without_tones
+from trunk_ros.diagnosis.data.sensing.readings import as_often_as_new, how_coarse, read_when, without_tones
 from trunk_ros.diagnosis.data.sensing.skew import Skew, skew, without_skew
 from trunk_ros.diagnosis.data.sensing.sliding import sliding, waited
 from trunk_ros.diagnosis.data.sensing.thinned import KIND, thinned
@@ -24,7 +24,8 @@ SHOWN, DRIVEN, ASKED = TOPICS["joint_states"], TOPICS["gearbox_states"], TOPICS[
 
 def clocks_put_right(recording: Recording, model: Model) -> Recording:
     """Readings and setpoints with the times at which they were taken and acted, and all setpoints there were;
-    of coarse readings it is said how coarse they are. Units and names of joints have to be right.
+    of coarse readings it is said how coarse they are, and of filtered ones those are kept that
+    tell something new. Units and names of joints have to be right.
     """
     for look in (
         read_when,
@@ -35,6 +36,7 @@ def clocks_put_right(recording: Recording, model: Model) -> Recording:
         _acted_when,
         without_tones,
         how_coarse,
+        as_often_as_new,
     ):
         recording = look(recording, model)
         give_back()

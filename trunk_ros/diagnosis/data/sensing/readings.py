@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from trunk_ros.diagnosis.data.repeated_readings import in_turn, new_motor_readings, new_readings
+from trunk_ros.diagnosis.data.sensing.filtered import filtered
 from trunk_ros.diagnosis.data.sensing.hum import Hum, hums
 from trunk_ros.diagnosis.data.sensing.pairs import pair, seen, told
 from trunk_ros.diagnosis.data.sensing.steps import coarse_steps
@@ -120,6 +121,23 @@ def taken_out(recording: Recording, joints: Sequence[str], hum: Hum) -> Recordin
     where, advice = (SHOWN, tuple(joints)), "Shield and ground the sensors' cables"
     observed = told("hum", where, hum.size, hum.std, "rad", said, advice)
     return seen(recording, observed, joint_states=replace(series, position=position))
+
+
+def as_often_as_new(recording: Recording, model: Model) -> Recording:
+    """Joint readings that were low-pass filtered, as often as they tell something new."""
+    both = pair(recording, model, "gearbox_states", "joint_states")
+    found = None if both is None else filtered(*both)
+    if both is None or found is None:
+        return recording
+    series = recording.series["joint_states"]
+    said = (
+        f"{SHOWN} was low-pass filtered at about {found.frequency:.2g} Hz: from one reading to the next it "
+        f"tells nothing new, noise among it, so that one of {found.alike} readings counts"
+    )
+    where, advice = (SHOWN, both[1].joints), "Publish what the sensor read, unfiltered"
+    observed = told("filtered", where, found.frequency, None, "Hz", said, advice)
+    fewer = series.rows(np.arange(0, len(series.stamp), found.alike))
+    return seen(recording, observed, joint_states=fewer)
 
 
 def how_coarse(recording: Recording, model: Model) -> Recording:
