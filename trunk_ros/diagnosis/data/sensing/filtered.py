@@ -10,13 +10,15 @@ import numpy as np
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.data.noise import is_none
 from trunk_ros.diagnosis.data.sensing.physics import CLOCKED
-from trunk_ros.diagnosis.levels import SEVERAL, TENFOLD
+from trunk_ros.diagnosis.levels import HALF, PART, ROUGHLY, SEVERAL, TENFOLD
 from trunk_ros.guards import BLIND, TINY
 from trunk_ros.recording.recording import JointSeries
+from trunk_ros.recording.signal.encoder import counts
 from trunk_ros.recording.signal.fill import fill
 from trunk_ros.recording.signal.resample import SLOW, longest_gap, resample
 
 BANDS = 2  # of an octave
+FREE = 4  # values that a wave takes in a while of which it is asked how strong it is
 
 
 @dataclass(frozen=True)
@@ -30,59 +32,99 @@ class Filtered:
 
 
 def filtered(gearbox: JointSeries, shown: JointSeries) -> Filtered | None:
-    """How readings of series with the same joints were filtered; None where no edge shows.
+    """How readings of series with the same joints were filtered; None where that does not show.
 
     What motors do not say of a joint, linearly, by frequency, is noise and the rest of physics. Noise is
     level, or that of a lag of first order, and friction falls with the fourth power of the frequency at most:
-    nothing but a filter of more poles makes what hardly falls for two octaves fall by 10^4 over the next two.
-    What readings of the motors scatter is no noise of the joints.
+    a filter of more poles makes what hardly falls for two octaves fall by 10^4 over the next two. So does a
+    link that swings on its wire, but with a peak, with noise of its sensor below all that it does, at any
+    frequency, and it comes to rest. What readings of the motors scatter is no noise of the joints.
     """
-    shown = _in_one_run(shown.rows((shown.stamp >= gearbox.stamp[0]) & (shown.stamp <= gearbox.stamp[-1])))
+    driven_at = (shown.stamp >= gearbox.stamp[0]) & (shown.stamp <= gearbox.stamp[-1])
+    shown = _in_one_run(shown.rows(driven_at))
     if len(shown.stamp) < CLOCKED:
         return None
-    step = float(np.mean(np.diff(shown.stamp)))
-    driven, read = resample(gearbox, shown.stamp)[0], fill(shown.position)
+    step, read = float(np.mean(np.diff(shown.stamp))), fill(shown.position)
     lives = np.ptp(read, axis=0) > 0.0
     if not lives.any() or step >= SLOW / SEVERAL:
         return None
-    frequency, left, motors = densities(driven, read[:, lives], step)
-    level, wide = np.log10(left + TINY).mean(axis=1), SEVERAL * BANDS
+    seen = Densities.of(resample(gearbox, shown.stamp)[0], read[:, lives], step)
+    level, wide = np.log10(seen.left + TINY).mean(axis=1), SEVERAL * BANDS
+    if len(level) <= 2 * wide or not _falls(level, counts(shown)[lives], step):
+        return None
     for k in range(wide, len(level) - wide):
         before, after = level[k - wide] - level[k], level[k] - level[k + wide]
-        plain = abs(before) <= SEVERAL and after >= SEVERAL**2
-        own = 10.0 ** level[k - wide] > TENFOLD * motors[k + wide]
-        if plain and own and not is_none(10.0 ** (level[k - wide] / 2) * frequency[k] ** 0.5):
-            half = _half(np.log2(frequency), level, k)
+        peak = np.diff(level[k - wide : k + wide + 1]).max() > np.log10(SEVERAL)
+        if peak or before > SEVERAL or after < SEVERAL**2:
+            continue
+        size = 10.0 ** level[k - wide]
+        own = size > TENFOLD * seen.driven[k + wide] and not is_none(float(np.sqrt(size * seen.middle[k])))
+        if own and seen.goes_on(k):
+            half = _half(np.log2(seen.middle), level, k)
             alike = min(int(0.5 / (half * step)), ceil(SLOW / step) - 1)
             return Filtered(half, alike) if alike > 1 else None
     return None
 
 
-def densities(driven: Array, read: Array, step: float) -> tuple[Array, Array, Array]:
-    """(bands,) Hz, (bands, joints) rad²/Hz of what motors (n, motors) do not say linearly of joints
-    (n, joints), and (bands,) of what the motors' own readings are on the joints' side, in the mean.
+def _falls(level: Array, steps: Array, step: float) -> bool:
+    """Whether a ``level`` (bands,), decades of rad²/Hz, falls on to half the rate, or to nothing, or to what
+    ``steps`` (joints,) rad of the readings make.
     """
-    window = np.hanning(len(read))[:, None]
-    own, asked = (np.fft.rfft((each - each.mean(axis=0)) * window, axis=0) for each in (read, driven))
-    gain = np.linalg.lstsq(asked, own, rcond=BLIND)[0]
-    unit = 2.0 * step / float(np.sum(window**2))
-    octaves = int(BANDS * np.log2(len(own)))
-    ends = np.rint((len(own) - 1) * 2.0 ** (-np.arange(octaves)[::-1] / BANDS)).astype(int)
-    out = []
-    for first, last in zip(ends[:-1], ends[1:], strict=True):
-        free = last - first - asked.shape[1]
-        if free > asked.shape[1]:
-            one, other = own[first:last], asked[first:last] / np.maximum(_size(asked[first:last]), TINY)
-            rest = one - other @ np.linalg.lstsq(other, one, rcond=BLIND)[0]
-            moved = _size(asked[first:last] @ gain) ** 2 / (last - first)
-            middle = np.sqrt(first * last) / (len(read) * step)
-            out.append((middle, unit * _size(rest) ** 2 / free, unit * np.exp(np.log(moved + TINY).mean())))
-    if not out:
-        return np.empty(0), np.empty((0, own.shape[1])), np.empty(0)
-    return tuple(np.array(each) for each in zip(*out, strict=True))  # type: ignore[return-value]
+    rounded = np.log10(step * steps**2 / 6.0 + TINY).mean()
+    nothing = is_none(10.0 ** (level[-1] / 2) / np.sqrt(2.0 * step))
+    return bool(level[-1 - BANDS] - level[-1] > HALF or nothing or level[-1] < rounded + HALF)
 
 
-def _size(waves: Array) -> Array:
+@dataclass(frozen=True)
+class Densities:
+    """By bands of frequency, with their ``middle`` (bands,) Hz: what is ``left`` (bands, joints) rad²/Hz of
+    joints but for what motors say linearly, and what the motors' readings do on the joints' side, ``driven``
+    (bands,).
+
+    ``rest`` (frequencies, joints), waves of what is left; ``ends`` (bands, 2) of the bands among these.
+    """
+
+    middle: Array
+    left: Array
+    driven: Array
+    rest: np.ndarray
+    ends: np.ndarray
+
+    @classmethod
+    def of(cls, driven: Array, read: Array, step: float) -> Densities:
+        """Of readings (n, motors) and (n, joints) that are a ``step`` s apart."""
+        window = np.hanning(len(read))[:, None]
+        own, asked = (np.fft.rfft((each - each.mean(axis=0)) * window, axis=0) for each in (read, driven))
+        gain = np.linalg.lstsq(asked, own, rcond=BLIND)[0]
+        unit = 2.0 * step / float(np.sum(window**2))
+        octaves = int(BANDS * np.log2(len(own)))
+        edges = np.rint((len(own) - 1) * 2.0 ** (-np.arange(octaves)[::-1] / BANDS)).astype(int)
+        each = np.column_stack([edges[:-1], edges[1:]])
+        each = each[np.diff(each, axis=1)[:, 0] > 2 * asked.shape[1]]
+        rest, left, moved = np.zeros_like(own), np.empty((len(each), own.shape[1])), np.empty(len(each))
+        for k, (first, last) in enumerate(each):
+            one, size = asked[first:last], np.maximum(_size(asked[first:last]), TINY)
+            told = np.linalg.lstsq(one / size, own[first:last], rcond=BLIND)[0]
+            rest[first:last] = own[first:last] - one / size @ told
+            left[k] = unit * _size(rest[first:last]) ** 2 / (last - first - asked.shape[1])
+            moved[k] = np.exp(np.log(unit * _size(one @ gain) ** 2 / (last - first) + TINY).mean())
+        return cls(np.sqrt(each.prod(axis=1)) / (len(read) * step), left, moved, rest, each)
+
+    def goes_on(self, k: int) -> bool:
+        """Whether what is left in the octave below a band is there all the time, as noise is."""
+        first, last = self.ends[k - BANDS, 0], self.ends[k, 0]
+        count, window = 2 * (len(self.rest) - 1), np.hanning(2 * (len(self.rest) - 1))[:, None]
+        wave = np.zeros((count, self.rest.shape[1]), dtype=complex)
+        wave[first:last] = self.rest[first:last]
+        wave = np.fft.ifft(wave, axis=0)[count // 4 : -(count // 4)] / window[count // 4 : -(count // 4)]
+        length = FREE * count // (last - first)
+        parts = np.abs(wave[: len(wave) // length * length].reshape(-1, length, wave.shape[1])) ** 2
+        power = parts.mean(axis=1)
+        quiet = np.quantile(power, PART, axis=0) / power.mean(axis=0)
+        return bool(np.log(quiet).mean() > np.log(ROUGHLY))
+
+
+def _size(waves: np.ndarray) -> Array:
     """(k,) of waves (bins, k)."""
     return np.asarray(np.linalg.norm(waves, axis=0))
 
@@ -104,4 +146,5 @@ def _in_one_run(series: JointSeries) -> JointSeries:
     ends = np.concatenate([[0], 1 + np.flatnonzero(np.diff(series.stamp) > longest_gap(series.stamp)),
                            [len(series.stamp)]])  # fmt: skip
     longest = int(np.argmax(np.diff(ends)))
-    return series.rows(slice(int(ends[longest]), int(ends[longest + 1])))
+    rows = np.arange(len(series.stamp))
+    return series.rows((rows >= ends[longest]) & (rows < ends[longest + 1]))
