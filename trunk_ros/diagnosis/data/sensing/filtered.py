@@ -111,14 +111,17 @@ class Densities:
         return cls(np.sqrt(each.prod(axis=1)) / (len(read) * step), left, moved, rest, each)
 
     def goes_on(self, k: int) -> bool:
-        """Whether what is left in the octave below a band is there all the time, as noise is."""
-        first, last = self.ends[k - BANDS, 0], self.ends[k, 0]
-        count, window = 2 * (len(self.rest) - 1), np.hanning(2 * (len(self.rest) - 1))[:, None]
-        wave = np.zeros((count, self.rest.shape[1]), dtype=complex)
-        wave[first:last] = self.rest[first:last]
-        wave = np.fft.ifft(wave, axis=0)[count // 4 : -(count // 4)] / window[count // 4 : -(count // 4)]
+        """Whether what is left in two octaves from a band on is there all the time, as noise is."""
+        first, last = self.ends[k, 0], self.ends[k + SEVERAL * BANDS, 0]
+        count, joints = 2 * (len(self.rest) - 1), self.rest.shape[1]
+        bins, middle = np.log(np.arange(first, last)), np.log(np.sqrt(self.ends.prod(axis=1)))
+        levels = [np.interp(bins, middle, np.log(column + TINY)) for column in self.left.T]
+        wave = np.zeros((count, joints), dtype=complex)
+        wave[first:last] = self.rest[first:last] / np.exp(0.5 * np.column_stack(levels))
+        whole = slice(count // 4, -(count // 4))
+        wave = np.fft.ifft(wave, axis=0)[whole] / np.hanning(count)[whole, None]
         length = FREE * count // (last - first)
-        parts = np.abs(wave[: len(wave) // length * length].reshape(-1, length, wave.shape[1])) ** 2
+        parts = np.abs(wave[: len(wave) // length * length].reshape(-1, length, joints)) ** 2
         power = parts.mean(axis=1)
         quiet = np.quantile(power, PART, axis=0) / power.mean(axis=0)
         return bool(np.log(quiet).mean() > np.log(ROUGHLY))
