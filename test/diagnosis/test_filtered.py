@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from scipy.signal import butter, lfilter, sosfiltfilt
+from scipy.signal import butter, lfilter, sosfilt, sosfiltfilt
 
 from test.diagnosis.arms import SHORT, diagnose, recorded, reshaped
 from trunk_ros.diagnosis.data.put_right import as_diagnosed, put_right
@@ -18,6 +18,7 @@ from trunk_ros.recording.recording import Recording
 RATE, CUT = 250.0, 6.0
 STD = 2e-4
 FIRST_ORDER = 0.97  # correlation
+PLAY = {"backlash": {"half_width": np.full(3, 1.3e-3)}}
 STEP = 1e-6  # rad of a table's last digit
 
 
@@ -74,12 +75,20 @@ def test_the_edge_of_a_filter_is_found(both: bool) -> None:
 
 
 def test_the_edge_is_found_beside_what_an_arm_does() -> None:
-    assert edge(without_phase(made({"backlash": {"dead_band": np.full(3, 1e-3)}}))) is not None
+    assert edge(without_phase(made(PLAY))) is not None
 
 
 def test_digits_that_a_table_leaves_out_hide_no_edge(clean: Recording) -> None:
     shown = clean.series["joint_states"].position
     assert edge(reshaped(clean, "joint_states", position=np.round(shown / STEP) * STEP)) is not None
+
+
+def test_the_edge_of_a_sensor_of_two_poles_is_found() -> None:
+    arm = made()
+    two = sosfilt(butter(2, CUT, fs=RATE, output="sos"), white(arm), axis=0)
+    found = edge(noisy(arm, two))
+    assert found is not None
+    assert found.frequency == pytest.approx(CUT, rel=0.3)
 
 
 def test_noise_that_is_white_or_of_first_order_was_not_filtered() -> None:
@@ -90,7 +99,7 @@ def test_noise_that_is_white_or_of_first_order_was_not_filtered() -> None:
 
 
 def test_without_noise_nothing_was_filtered() -> None:
-    for effects in ({}, {"backlash": {"dead_band": np.full(3, 1e-3)}}):
+    for effects in ({}, PLAY):
         assert edge(made(effects)) is None
 
 
@@ -118,7 +127,7 @@ def test_a_clean_arm_whose_readings_were_filtered_has_no_mismatch(clean: Recordi
 
 
 def test_a_dead_band_is_named_beside_a_filter_and_nothing_else() -> None:
-    arm = without_phase(made({"backlash": {"dead_band": np.full(3, 1e-3)}}), both=False)
+    arm = without_phase(made(PLAY), both=False)
     (found,) = diagnose(arm, SHORT).findings
     assert "backlash" in (found.effect, *found.equivalents)
 

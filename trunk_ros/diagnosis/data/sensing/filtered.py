@@ -34,11 +34,11 @@ class Filtered:
 def filtered(gearbox: JointSeries, shown: JointSeries) -> Filtered | None:
     """How readings of series with the same joints were filtered; None where that does not show.
 
-    What motors do not say of a joint, linearly, by frequency, is noise and the rest of physics. Noise is
-    level, or that of a lag of first order, and friction falls with the fourth power of the frequency at most:
-    a filter of more poles makes what hardly falls for two octaves fall by 10^4 over the next two. So does a
-    link that swings on its wire, but with a peak, with noise of its sensor below all that it does, at any
-    frequency, and it comes to rest. What readings of the motors scatter is no noise of the joints.
+    What motors do not say of a joint, linearly, by frequency, is noise and the rest of physics. Noise that is
+    level over two octaves and falls by 100 over the next two has more than one pole, and nothing that falls
+    a little before falls by 10^4, but by a filter. A link that swings on its wire does so as well, but with a
+    peak, with noise of its sensor below all that it does, at any frequency, and it comes to rest. What
+    readings of the motors scatter is no noise of the joints.
     """
     driven_at = (shown.stamp >= gearbox.stamp[0]) & (shown.stamp <= gearbox.stamp[-1])
     shown = _in_one_run(shown.rows(driven_at))
@@ -55,7 +55,7 @@ def filtered(gearbox: JointSeries, shown: JointSeries) -> Filtered | None:
     for k in range(wide, len(level) - wide):
         before, after = level[k - wide] - level[k], level[k] - level[k + wide]
         peak = np.diff(level[k - wide : k + wide + 1]).max() > np.log10(SEVERAL)
-        if peak or before > SEVERAL or after < SEVERAL**2:
+        if peak or after < SEVERAL or before > (SEVERAL if after >= SEVERAL**2 else HALF):
             continue
         size = 10.0 ** level[k - wide]
         own = size > TENFOLD * seen.driven[k + wide] and not is_none(float(np.sqrt(size * seen.middle[k])))
