@@ -35,8 +35,8 @@ def filtered(gearbox: JointSeries, shown: JointSeries) -> Filtered | None:
     """How readings of series with the same joints were filtered; None where that does not show.
 
     What motors do not say of a joint, linearly, by frequency, is noise and the rest of physics. Noise that is
-    level over two octaves and falls by 100 over the next two has more than one pole, and nothing that falls
-    a little before falls by 10^4, but by a filter. A link that swings on its wire does so as well, but with a
+    level over two octaves and falls by 100 over the next two has more than one pole (asked of two joints at
+    least), and nothing that falls a little before falls by 10^4, but by a filter. A link that swings on its wire does so as well, but with a
     peak, with noise of its sensor below all that it does, at any frequency, and it comes to rest. What
     readings of the motors scatter is no noise of the joints.
     """
@@ -55,24 +55,27 @@ def filtered(gearbox: JointSeries, shown: JointSeries) -> Filtered | None:
     for k in range(wide, len(level) - wide):
         before, after = level[k - wide] - level[k], level[k] - level[k + wide]
         peak = np.diff(level[k - wide : k + wide + 1]).max() > np.log10(SEVERAL)
-        if peak or after < SEVERAL or before > (SEVERAL if after >= SEVERAL**2 else HALF):
+        steep = after >= SEVERAL**2
+        two_poles = after >= SEVERAL and before <= HALF and lives.sum() >= SEVERAL
+        if peak or not (two_poles or (steep and before <= SEVERAL)):
             continue
         size = 10.0 ** level[k - wide]
         own = size > TENFOLD * seen.driven[k + wide] and not is_none(float(np.sqrt(size * seen.middle[k])))
         if own and seen.goes_on(k):
             half = _half(np.log2(seen.middle), level, k)
             alike = min(int(0.5 / (half * step)), ceil(SLOW / step) - 1)
-            return Filtered(half, alike) if alike > 1 else None
+            return Filtered(half, alike) if alike > SEVERAL else None
     return None
 
 
 def _falls(level: Array, steps: Array, step: float) -> bool:
-    """Whether a ``level`` (bands,), decades of rad²/Hz, falls on to half the rate, or to nothing, or to what
+    """Whether a ``level`` (bands,), decades of rad²/Hz, falls on to half the rate as no noise of one
+    pole does, or to nothing, or to what
     ``steps`` (joints,) rad of the readings make.
     """
     rounded = np.log10(step * steps**2 / 6.0 + TINY).mean()
     nothing = is_none(10.0 ** (level[-1] / 2) / np.sqrt(2.0 * step))
-    return bool(level[-1 - BANDS] - level[-1] > HALF or nothing or level[-1] < rounded + HALF)
+    return bool(level[-1 - BANDS] - level[-1] > np.log10(TENFOLD) or nothing or level[-1] < rounded + HALF)
 
 
 @dataclass(frozen=True)
@@ -114,10 +117,10 @@ class Densities:
         """Whether what is left in two octaves from a band on is there all the time, as noise is."""
         first, last = self.ends[k, 0], self.ends[k + SEVERAL * BANDS, 0]
         count, joints = 2 * (len(self.rest) - 1), self.rest.shape[1]
-        bins, middle = np.log(np.arange(first, last)), np.log(np.sqrt(self.ends.prod(axis=1)))
-        levels = [np.interp(bins, middle, np.log(column + TINY)) for column in self.left.T]
+        near = np.ones(FREE**2) / FREE**2  # bins, so that a steep edge leaves as many waves as there are
+        size = np.column_stack([np.convolve(np.abs(each) ** 2, near, "same") for each in self.rest.T])
         wave = np.zeros((count, joints), dtype=complex)
-        wave[first:last] = self.rest[first:last] / np.exp(0.5 * np.column_stack(levels))
+        wave[first:last] = self.rest[first:last] / np.sqrt(size[first:last] + TINY)
         whole = slice(count // 4, -(count // 4))
         wave = np.fft.ifft(wave, axis=0)[whole] / np.hanning(count)[whole, None]
         length = FREE * count // (last - first)
