@@ -36,9 +36,9 @@ def filtered(gearbox: JointSeries, shown: JointSeries) -> Filtered | None:
 
     What motors do not say of a joint, linearly, by frequency, is noise and the rest of physics. Noise that is
     level over two octaves and falls by 100 over the next two has more than one pole (asked of two joints at
-    least), and nothing that falls a little before falls by 10^4, but by a filter. A link that swings on its wire does so as well, but with a
-    peak, with noise of its sensor below all that it does, at any frequency, and it comes to rest. What
-    readings of the motors scatter is no noise of the joints.
+    least), and nothing that falls a little before falls by 10^4, but by a filter. A link that swings on its
+    wire does so as well, but with a peak, with noise of its sensor below all that it does, at any frequency,
+    and it comes to rest. What readings of the motors scatter is no noise of the joints.
     """
     driven_at = (shown.stamp >= gearbox.stamp[0]) & (shown.stamp <= gearbox.stamp[-1])
     shown = _in_one_run(shown.rows(driven_at))
@@ -69,9 +69,8 @@ def filtered(gearbox: JointSeries, shown: JointSeries) -> Filtered | None:
 
 
 def _falls(level: Array, steps: Array, step: float) -> bool:
-    """Whether a ``level`` (bands,), decades of rad²/Hz, falls on to half the rate as no noise of one
-    pole does, or to nothing, or to what
-    ``steps`` (joints,) rad of the readings make.
+    """Whether a ``level`` (bands,), decades of rad²/Hz, falls on to half the rate as no noise of one pole
+    does, or to nothing, or to what ``steps`` (joints,) rad of the readings make.
     """
     rounded = np.log10(step * steps**2 / 6.0 + TINY).mean()
     nothing = is_none(10.0 ** (level[-1] / 2) / np.sqrt(2.0 * step))
