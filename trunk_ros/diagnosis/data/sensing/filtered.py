@@ -17,7 +17,7 @@ from trunk_ros.recording.signal.encoder import counts
 from trunk_ros.recording.signal.fill import fill
 from trunk_ros.recording.signal.resample import SLOW, longest_gap, resample
 
-BANDS = 2  # of an octave
+OCTAVE = 2  # bands
 FREE = 4  # values that a wave takes in a while of which it is asked how strong it is
 
 
@@ -49,7 +49,7 @@ def filtered(gearbox: JointSeries, shown: JointSeries) -> Filtered | None:
     if not lives.any() or step >= SLOW / SEVERAL:
         return None
     seen = Densities.of(resample(gearbox, shown.stamp)[0], read[:, lives], step)
-    level, wide = np.log10(seen.left + TINY).mean(axis=1), SEVERAL * BANDS
+    level, wide = np.log10(seen.left + TINY).mean(axis=1), SEVERAL * OCTAVE
     if len(level) <= 2 * wide or not _falls(level, counts(shown)[lives], step):
         return None
     for k in range(wide, len(level) - wide):
@@ -74,7 +74,7 @@ def _falls(level: Array, steps: Array, step: float) -> bool:
     """
     rounded = np.log10(step * steps**2 / 6.0 + TINY).mean()
     nothing = is_none(10.0 ** (level[-1] / 2) / np.sqrt(2.0 * step))
-    return bool(level[-1 - BANDS] - level[-1] > np.log10(TENFOLD) or nothing or level[-1] < rounded + HALF)
+    return bool(level[-1 - OCTAVE] - level[-1] > np.log10(TENFOLD) or nothing or level[-1] < rounded + HALF)
 
 
 @dataclass(frozen=True)
@@ -99,8 +99,8 @@ class Densities:
         own, asked = (np.fft.rfft((each - each.mean(axis=0)) * window, axis=0) for each in (read, driven))
         gain = np.linalg.lstsq(asked, own, rcond=BLIND)[0]
         unit = 2.0 * step / float(np.sum(window**2))
-        octaves = int(BANDS * np.log2(len(own)))
-        edges = np.rint((len(own) - 1) * 2.0 ** (-np.arange(octaves)[::-1] / BANDS)).astype(int)
+        octaves = int(OCTAVE * np.log2(len(own)))
+        edges = np.rint((len(own) - 1) * 2.0 ** (-np.arange(octaves)[::-1] / OCTAVE)).astype(int)
         each = np.column_stack([edges[:-1], edges[1:]])
         each = each[np.diff(each, axis=1)[:, 0] > 2 * asked.shape[1]]
         rest, left, moved = np.zeros_like(own), np.empty((len(each), own.shape[1])), np.empty(len(each))
@@ -114,7 +114,7 @@ class Densities:
 
     def goes_on(self, k: int) -> bool:
         """Whether what is left in two octaves from a band on is there all the time, as noise is."""
-        first, last = self.ends[k, 0], self.ends[k + SEVERAL * BANDS, 0]
+        first, last = self.ends[k, 0], self.ends[k + SEVERAL * OCTAVE, 0]
         count, joints = 2 * (len(self.rest) - 1), self.rest.shape[1]
         near = np.ones(FREE**2) / FREE**2  # bins, so that a steep edge leaves as many waves as there are
         size = np.column_stack([np.convolve(np.abs(each) ** 2, near, "same") for each in self.rest.T])
@@ -138,7 +138,7 @@ def _half(octave: Array, level: Array, k: int) -> float:
     """Hz where a ``level`` (bands,), decades over octaves (bands,), is half of what it was as it went on
     before the edge at band ``k``.
     """
-    wide = SEVERAL * BANDS
+    wide = SEVERAL * OCTAVE
     slope = min((level[k - wide // 2] - level[k - wide]) / (octave[k - wide // 2] - octave[k - wide]), 0.0)
     below = level[k - wide] + slope * (octave - octave[k - wide]) - np.log10(2.0) - level
     last = k - wide // 2 + int(np.argmax(below[k - wide // 2 :] > 0.0))
