@@ -126,7 +126,7 @@ def test_what_holds_from_the_start_is_refused_later(made, name, parameter, value
 @pytest.mark.parametrize(
     ("parameter", "value", "words"),
     [
-        ("effects.backlash.half_width", [5.0], "must be 0 ..."),
+        ("effects.backlash.half_width", [5e3], "must be 0 ..."),
         ("effects.backlash.half_width", [0.001] * 3, "3 values for 5 joints"),
         ("effects.backlash.half_width", ["wide"], "must be a number"),
         ("effects.backlash.half_widht", [0.001], "did you mean 'effects.backlash.half_width'?"),
