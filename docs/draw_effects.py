@@ -143,8 +143,11 @@ def usual(kind: type[Effect], joints: int) -> dict[str, Any]:
             if kind.stage == "arm" and not p.shared:
                 values[p.name] = np.where(np.arange(joints) == JOINT, size, 0.0)
     if kind.texts and "on" not in kind.texts:
-        own = issubclass(kind, Bank) and kind.own
-        values[kind.texts[0]] = [f"joint_{k + 1 if own else k or joints}" for k in range(joints)]
+        names = tuple(f"joint_{k + 1}" for k in range(joints))
+        first = (
+            [kind.choices(names, name)[0] for name in names] if issubclass(kind, Bank) and kind.own else []
+        )
+        values[kind.texts[0]] = first or [names[k - 1] for k in range(joints)]
     if issubclass(kind, Bank):
         bend = (0.002 if kind.by_posture else 0.01) * np.sin(0.9 * np.arange(1, kind.weights + 1))
         values |= {f"weight_1_{i}": np.full(joints, bend[i - 1]) for i in range(1, kind.weights + 1)}

@@ -116,7 +116,7 @@ BAD: dict[str, tuple[dict[str, Any], str]] = {
     "a list for a shared value": ({"effects.sensor_delay.delay": [0.1, 0.2]}, "delay has 2 values: give 1"),
     "a negative play": (
         {"effects.backlash.half_width": [-0.1]},
-        r"half_width = \[-0.1\]: must be 0 ... 1 rad",
+        r"half_width = \[-0.1\]: must be 0 ... 1000 rad",
     ),
     "a ratio of zero": ({"wire.ratio": [0.0, 1.0]}, "wire.ratio of a is 0"),
     "a joint that is not there": (

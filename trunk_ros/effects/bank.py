@@ -22,6 +22,7 @@ WEIGHTS = 8  # of each source, where a bank does not say otherwise
 # right up to this share of a dead band, within which a bank moves the joint and the wire does not.
 STEEPEST = 0.9
 PATH_OF = "path of "  # a joint: where the names before a bank take it, its neighbours' drags included
+TOGETHER = "*"  # between two joints: where both stand, not where their sum or difference does
 SAME, ROUNDS = 1e-9, 100  # rad, times: back from where a joint's own path led it to
 
 
@@ -53,7 +54,8 @@ def words_of(sources: int) -> tuple[str, ...]:
 
 class Bank(Effect):
     """theta += sum of weight x shape(s), s the motor side's angle (ratio phi) of a joint, or the sum or the
-    difference of two, or the joint's own angle as the effects before it have it (``PATH_OF``).
+    difference of two, or the joint's own angle as the effects before it have it (``PATH_OF``), or the angles
+    of two (n, 2), of which low and high then are pairs.
     """
 
     regime: ClassVar[Regime] = "posture"
@@ -68,6 +70,8 @@ class Bank(Effect):
     """Whether a source may be the joint itself, alone or together with another."""
     fades: ClassVar[bool] = False
     """Whether it is there at first and no longer later: chosen after all that stays."""
+    axes: ClassVar[int] = 1
+    """Motions of a source that are not one: more than one where it is two joints ``TOGETHER``."""
     by_posture: ClassVar[bool] = False
     """Whether it can follow nearly anything that is smooth: weighed once the names have been."""
 
@@ -86,7 +90,7 @@ class Bank(Effect):
         return x, after
 
     @classmethod
-    def said(cls, k: int, low: float, high: float, weights: Array) -> dict[str, float]:
+    def said(cls, k: int, low: Any, high: Any, weights: Array) -> dict[str, float]:
         """A source's values by their names, ``k`` from 1 on."""
         each = {f"weight_{k}_{i}": float(weight) for i, weight in enumerate(weights, start=1)}
         return each | {f"low_{k}": low, f"high_{k}": high}
@@ -99,7 +103,7 @@ class Bank(Effect):
 
     @classmethod
     @abstractmethod
-    def ready(cls, low: float, high: float, weights: Array) -> Any:
+    def ready(cls, low: Any, high: Any, weights: Array) -> Any:
         """What ``add`` needs of a source's range and weights (weights,)."""
 
     @classmethod
@@ -108,7 +112,7 @@ class Bank(Effect):
         """Add the weighed shapes over a source's motion (n,) to ``out`` (n,); returns their memory."""
 
     @classmethod
-    def columns(cls, s: Array, low: float, high: float) -> Iterator[Array]:
+    def columns(cls, s: Array, low: Any, high: Any) -> Iterator[Array]:
         """Each shape (n,) over a source's motion (n,), from its beginning."""
         for weights in np.eye(cls.weights):
             out = np.zeros(len(s))
@@ -116,22 +120,22 @@ class Bank(Effect):
             yield out
 
     @classmethod
-    def shapes(cls, s: Array, low: float, high: float) -> Array:
+    def shapes(cls, s: Array, low: Any, high: Any) -> Array:
         """(n, weights) all of them."""
         return np.column_stack(list(cls.columns(s, low, high)))
 
     @classmethod
     @abstractmethod
-    def range_of(cls, s: Array) -> tuple[float, float]:
+    def range_of(cls, s: Array) -> tuple[Any, Any]:
         """``low`` and ``high`` for a source that moves as (n,)."""
 
     @classmethod
-    def swing(cls, low: float, high: float) -> tuple[float, float]:
+    def swing(cls, low: Any, high: Any) -> tuple[Any, Any]:
         """Ends of a motion over a source's whole range."""
         return low, high
 
     @classmethod
-    def steepness(cls, low: float, high: float, weights: Array) -> float:
+    def steepness(cls, low: Any, high: Any, weights: Array) -> float:
         """rad per rad that a source adds at most, for shapes that are no steeper than 1."""
         return float(np.abs(weights).sum())
 
@@ -168,7 +172,7 @@ class Bank(Effect):
                 lows, highs, each = self.read(self.values, k)
                 weights = np.ascontiguousarray(each[:, column])
                 if word and np.any(weights):
-                    low, high = float(lows[column]), float(highs[column])
+                    low, high = lows[column], highs[column]
                     slope = self.steepness(low, high, weights)
                     out.append((column, word, slope, self.ready(low, high, weights)))
         return out
@@ -186,13 +190,22 @@ class Bank(Effect):
         return [k for k, link in enumerate(self._links) if steep[link[0]] < STEEPEST]
 
 
+def joints_of(word: str) -> list[str]:
+    """What a source's word stands for, each motion for itself."""
+    return word.split(TOGETHER)
+
+
 def motion(word: str, now: Now) -> Array:
-    """(n,) rad, what a source's word stands for."""
+    """(n,) rad, what a source's word stands for; (n, 2) of two joints together."""
     wires = now.wires
     if word in now.joints:
         return np.ascontiguousarray(wires[:, now.joints.index(word)])
     for column, joint in enumerate(now.joints):
-        if word.startswith(joint) and word[len(joint) + 1 :] in now.joints and word[len(joint)] in "+-":
+        if word.startswith(joint) and word[len(joint) + 1 :] in now.joints:
+            sign, own = word[len(joint)], wires[:, column]
             other = wires[:, now.joints.index(word[len(joint) + 1 :])]
-            return np.asarray(wires[:, column] + (other if word[len(joint)] == "+" else -other))
+            if sign == TOGETHER:
+                return np.column_stack([own, other])
+            if sign in "+-":
+                return np.asarray(own + other if sign == "+" else own - other)
     raise ModelError(f"{word!r} is no source: the joints are {', '.join(now.joints)}")

@@ -7,6 +7,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
@@ -30,8 +31,9 @@ class Source:
 
     kind: type[Bank]
     word: str
-    low: float
-    high: float
+    low: Any
+    high: Any
+    """Ends of its range, or of each of its motions (axes,)."""
     design: Array
 
 
@@ -128,6 +130,13 @@ class Sums:
         )
         return Tried(self._left(at, fits), fits)
 
+    def begun(self, now: Tried, further: int) -> list[Weighed] | None:
+        """What fits with a further source go on from, as those ``now`` have found what is beside it."""
+        new = np.ones(len(self.groups[further]))
+        return [
+            Weighed(fit.weights, np.concatenate([fit.precision, new]), fit.sharp) for fit in now.fits
+        ] or None
+
     def looked(self, chosen: Sequence[int], worth: float, now: Tried) -> dict[int, float]:
         """What is left by each of the other sources beside what is chosen, of which the precisions
         stay as they are ``now``.
@@ -206,13 +215,28 @@ class Sums:
 def chosen_of(sums: Sums, found: Sequence[Source], worth: float) -> list[int]:
     """The sources that are needed, in the order of their need: one after the other the one with which least
     is left of blocks not seen, as long as that pays. What fades comes after all that stays, and has to pay
-    more: whatever was passed once alone may look like either.
+    more: whatever was passed once alone may look like either. So has what is over several motions, beside
+    the best of what is over one each: it is told only where all of them have been together.
     """
+    able = range(len(found))
+    chosen, best = _chosen(sums, found, worth, able)
+    single = [k for k in able if found[k].kind.axes == 1]
+    if set(chosen) <= set(single):
+        return chosen
+    plain, least = _chosen(sums, found, worth, single)
+    return chosen if best.unseen < (1.0 - SLIGHT) * least.unseen else plain
+
+
+def _chosen(
+    sums: Sums, found: Sequence[Source], worth: float, able: Sequence[int]
+) -> tuple[list[int], Tried]:
+    """Those that are needed of some sources, and what they leave."""
     chosen: list[int] = []
     best = sums.tried([], worth)
     for fades, pays in ((False, PAYS), (True, SLIGHT)):
-        chosen, best = _more(sums, found, worth, (chosen, best), fades, pays)
-    return chosen
+        room = [k for k in able if found[k].kind.fades == fades]
+        chosen, best = _more(sums, found, worth, (chosen, best), room, pays)
+    return chosen, best
 
 
 def _more(
@@ -220,19 +244,17 @@ def _more(
     found: Sequence[Source],
     worth: float,
     begun: tuple[list[int], Tried],
-    fades: bool,
+    able: Sequence[int],
     pays: float,
 ) -> tuple[list[int], Tried]:
-    """With those beside ``begun`` that pay, of kinds that fade or of all others."""
+    """With those beside ``begun`` that pay, of some."""
     chosen, best = begun
-    kinds = [source.kind for source in found]
     while True:
-        room = [k for k, kind in enumerate(kinds) if k not in chosen and kind.fades == fades]
-        room = [k for k in room if _has_room(found, chosen, kinds[k])]
+        room = [k for k in able if k not in chosen and _has_room(found, chosen, found[k].kind)]
         if sum(sums.many(k) for k in chosen) > MANY:
             looks = sums.looked(chosen, worth, best)
             room = sorted(room, key=lambda k: looks[k])[:REFITTED]
-        trials = {k: sums.tried([*chosen, k], worth) for k in room}
+        trials = {k: sums.tried([*chosen, k], worth, sums.begun(best, k)) for k in room}
         least, k = min(((trial.unseen, k) for k, trial in trials.items()), default=(np.inf, 0))
         if least > (1.0 - pays) * best.unseen:
             return chosen, best

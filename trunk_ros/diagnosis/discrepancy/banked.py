@@ -114,13 +114,16 @@ class Judged:
 
 
 def _lean(context: Context, hypothesis: Hypothesis, column: int, found: list[Source]) -> Judged:
-    """The hypothesis with banks on a column, and without its own effects that the banks make superfluous."""
+    """The hypothesis with banks on a column, and without its own effects that the banks make superfluous; a
+    zero of a sensor is none of these, as others follow where a bank takes the joint.
+    """
     best = _refitted(context, hypothesis, column, found)
     while True:
+        kinds = {n: effect(n) for n in _names(best.hypothesis, column) if n not in context.known}
         trials = [
             _refitted(context, best.hypothesis.without(name, column), column, found)
-            for name in _names(best.hypothesis, column)
-            if not effect(name).everywhere and name not in context.known
+            for name, kind in kinds.items()
+            if not (kind.everywhere or kind.shifts_readings)
         ]
         least = min(trials, key=lambda t: float(t.unseen.mean()), default=None)
         if least is None or least.unseen.mean() > (1.0 + HARDLY) * best.unseen.mean():

@@ -42,7 +42,7 @@ def _possible(context: Context, column: int) -> Iterator[tuple[type[Bank], str]]
     joint, unit = context.joints[column], context.stage.unit
     alike_ = tuple(j for c, j in enumerate(context.joints) if unit(c) == unit(column))
     for kind in banks():
-        for word in kind.choices(alike_ if kind.own else context.joints, joint):
+        for word in kind.choices(alike_ if kind.own and kind.axes == 1 else context.joints, joint):
             if not word.startswith(PATH_OF):  # it takes the place of the joint's own
                 yield kind, word
 
@@ -61,9 +61,10 @@ def _along(context: Context, bare: Hypothesis, column: int, source: Source) -> S
     drags it.
     """
     dragged = any(effect(term.effect).named and column in term.words for term in bare.on(column))
-    if not (dragged and source.kind.by_posture):
+    path = PATH_OF + context.joints[column]
+    if not (dragged and path in source.kind.choices(context.joints, context.joints[column])):
         return source
-    return source_of(context, column, source.kind, PATH_OF + context.joints[column], bare)
+    return source_of(context, column, source.kind, path, bare)
 
 
 def _signals(context: Context, column: int, kind: type[Bank], word: str, bare: Hypothesis) -> list[Array]:
@@ -83,8 +84,9 @@ def source_of(
     """A source with its design; ``bare``: the names, where it follows what they do."""
     signals = _signals(context, column, kind, word, Hypothesis() if bare is None else bare)
     together = np.concatenate(signals)
-    turns = any(comes_back(s) for s in signals)
-    if np.ptp(together) < STANDS or (kind.remembers and not turns):
+    if np.ptp(together, axis=0).min() < STANDS:
+        return None
+    if kind.remembers and not any(comes_back(s) for s in signals):
         return None
     if kind.fades and not any(passes_again(s) for s in signals):
         return None

@@ -9,7 +9,7 @@ import numpy as np
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.hypothesis import Term
-from trunk_ros.effects.bank import Bank
+from trunk_ros.effects.bank import Bank, joints_of
 
 POINTS = 200  # of a loop
 
@@ -21,7 +21,8 @@ def sources_of(term: Term, column: int) -> list[str]:
 
 def varies_with(term: Term) -> list[str]:
     """All motions that the banks of a term are of."""
-    return sorted({word for column in term.columns for word in sources_of(term, column)})
+    words = (word for column in term.columns for word in sources_of(term, column))
+    return sorted({motion for word in words for motion in joints_of(word)})
 
 
 def statement(kind: type[Bank], term: Term, where: str) -> str:
@@ -29,6 +30,8 @@ def statement(kind: type[Bank], term: Term, where: str) -> str:
     on = " and ".join(varies_with(term))
     if kind.fades:
         return f"{where}: loops are others at first and settle, in a way that no name fits."
+    if kind.axes > 1:
+        return f"{where}: where {on} stand together moves the angle along a surface that no name fits."
     if kind.by_posture:
         return f"{where}: loops change with the posture in a way that no name fits; plays stand in."
     if not kind.named:
@@ -53,20 +56,31 @@ def parameters(context: Context, kind: type[Bank], term: Term) -> dict[str, dict
 
 
 def told(context: Context, kind: type[Bank], term: Term) -> dict[str, Any]:
-    """The first source's curve or loop by joint, with what it is over and of, and their units."""
+    """The first source's curve, loop or surface by joint, with what it is over and of, and their units."""
     column = term.columns[0]
-    word = sources_of(term, column)[0]
+    word = sources_of(term, column)[0] if kind.axes == 1 else "position"
     own = context.stage.unit(column)
     return {
         "on": word,
         "of": "the angle",
         "x_unit": context.stage.units.get(word, "rad") if word in context.joints else own,
         "y_unit": own,
-        "joints": {
-            context.joints[c]: dict(zip(("x", "y"), _loop(kind, term.own[c], 1), strict=True))
-            for c in term.columns
-        },
+        "joints": {context.joints[c]: _drawn(kind, term, c) for c in term.columns},
     }
+
+
+def _drawn(kind: type[Bank], term: Term, column: int) -> dict[str, Any]:
+    """What the first source of a column adds, ``y`` over ``x``; of two motions a row for each place of the
+    joint itself, with where the other joint stands in each column.
+    """
+    if kind.axes == 1:
+        return dict(zip(("x", "y"), _loop(kind, term.own[column], 1), strict=True))
+    low, high, weights = kind.read(term.own[column], 1)
+    side = POINTS // 10
+    x, other = np.linspace(low, high, side).T
+    both = np.stack(np.meshgrid(x, other, indexing="ij"), axis=-1).reshape(-1, kind.axes)
+    y = (kind.shapes(both, low, high) @ weights).reshape(side, side)
+    return {"x": x, "with": joints_of(sources_of(term, column)[0])[1], "with_x": other, "y": y}
 
 
 def _loop(kind: type[Bank], own: dict[str, float], k: int) -> tuple[Array, Array]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from itertools import count, islice
+from itertools import islice
 from typing import Any
 
 import numpy as np
@@ -12,6 +12,7 @@ from numpy.polynomial.legendre import legder, legval
 from trunk_ros.compiled import Array, compiled
 from trunk_ros.effects.curve import KNOTS
 from trunk_ros.effects.drags import NARROWEST, WIDEST, drag
+from trunk_ros.effects.legendre import legendre
 from trunk_ros.effects.postures import LEAST, OverPostures, parameters_over_postures
 
 REACHES, SHAPES = 12, KNOTS  # over the posture as finely as any other curve: what catches, catches in places
@@ -72,8 +73,8 @@ class UnknownLoops(OverPostures):
         yield from (_held(s, reach) for reach in reaches)
         for first, end in ((1, COARSE), (COARSE, SHAPES)):
             for held in (_held(s, reach) for reach in reaches):
-                yield from (held * curve for curve in islice(_legendre(inside), first, end))
-        for k, curve in enumerate(islice(_legendre(inside), SHAPES)):
+                yield from (held * curve for curve in islice(legendre(inside), first, end))
+        for k, curve in enumerate(islice(legendre(inside), SHAPES)):
             yield curve + way - inside if k == 1 else curve
 
     @classmethod
@@ -92,17 +93,6 @@ def _held(s: Array, reach: float) -> Array:
     out = np.zeros(len(s))
     drag(s, np.array([reach]), np.array([1.0 / reach]), s[:1].copy(), out)
     return out
-
-
-def _legendre(x: Array) -> Iterator[Array]:
-    """Legendre polynomials at ``x`` (n,), one after the other: of a long recording all of them are larger
-    than all else.
-    """
-    before, last = np.ones_like(x), x
-    yield before
-    for k in count(2):
-        yield last
-        before, last = last, (last * x * (2 * k - 1) - before * (k - 1)) / k
 
 
 def _reaches(low: float, high: float) -> Array:
