@@ -207,8 +207,9 @@ def fed_forward(core: Core, setpoints: Array, stamps: Array) -> Array:
     if len(share) > 1:  # what changes in mid-run, of past rows as it is at first
         past = np.repeat(share[:1], len(stamps) - len(share), axis=0)
         share = np.concatenate([past, share])
-    fed = setpoints.copy()
-    fed[1:] += (share[1:] if len(share) > 1 else share) * speeds(setpoints, stamps)
+    fed, first = setpoints.copy(), setpoints[:, :1]
+    alone = first if (setpoints == first).all() else setpoints  # one joint, as several hypotheses have it
+    fed[1:] += (share[1:] if len(share) > 1 else share) * speeds(alone, stamps)
     return fed
 
 
