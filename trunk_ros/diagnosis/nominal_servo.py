@@ -204,13 +204,18 @@ def _loop(context: Context, column: int, told: Array) -> tuple[Loop, Array, floa
     """
     loop = Loop.of(context, column)
     numbers, cost = _fitted(loop, told)
-    least = cost
-    for pulled in [] if _is_explained(loop, cost) else Loop.pulled_at(context, column):
-        others, less = _fitted(pulled, told)
-        if CLEARLY**2 * less < least:  # what is pulled by more is clearly better than by less of it
-            loop, numbers, cost = pulled, others, less
-        least = min(least, less)
-    return loop, numbers, cost
+    pulled = [] if _is_explained(loop, cost) else Loop.pulled_at(context, column)
+    return _clearest([(loop, numbers, cost), *((other, *_fitted(other, told)) for other in pulled)])
+
+
+def _clearest(loops: Sequence[tuple[Loop, Array, float]]) -> tuple[Loop, Array, float]:
+    """The last of loops, with their numbers and what they leave, that is clearly better than all before it:
+    they are pulled by more and more.
+    """
+    best, least = loops[0], loops[0][-1]
+    for other in loops[1:]:
+        best, least = (other if CLEARLY**2 * other[-1] < least else best), min(least, other[-1])
+    return best
 
 
 def _is_explained(loop: Loop, cost: float) -> bool:
@@ -265,12 +270,8 @@ def _told_speed(context: Context, column: int, found: Array) -> Array:
 
 def _at(context: Context, column: int, found: Array) -> Loop:
     """The loop of numbers that were ``found`` (5,), pulled by the load where that explains clearly more."""
-    loop = Loop.of(context, column)
-    least = loop.left(found)
-    for pulled in Loop.pulled_at(context, column):
-        less = pulled.left(found)
-        loop, least = (pulled if CLEARLY**2 * less < least else loop), min(least, less)
-    return loop
+    loops = [Loop.of(context, column), *Loop.pulled_at(context, column)]
+    return _clearest([(loop, found, loop.left(found)) for loop in loops])[0]
 
 
 def _with_top(loop: Loop, best: Array, other: Array) -> Array:

@@ -219,15 +219,19 @@ def roughness_of(readings: list[Array], masks: list[np.ndarray]) -> float:
     """The most white noise that readings (n,) of each recording can hold, where they count (n,): all that
     they are rough by, the motion too.
     """
-    seen = [fourth_differences(*each) for each in zip(readings, masks, strict=True)]
-    rough = np.concatenate([np.zeros(1), *(difference[whole] for difference, whole in seen)])
-    return float(np.sqrt(np.mean(rough**2) / (BINOMIAL @ BINOMIAL)))
+    rough = np.append(_counted_differences(readings, masks), 0.0)
+    return rms(rough) / float(np.linalg.norm(BINOMIAL))
 
 
 def _robust(residuals: list[Array], masks: list[np.ndarray], stride: int) -> float:
-    seen = [fourth_differences(*each, stride) for each in zip(residuals, masks, strict=True)]
-    joined = np.concatenate([np.empty(0), *(np.abs(difference[whole]) for difference, whole in seen)])
+    joined = np.abs(_counted_differences(residuals, masks, stride))
     return trimmed(joined) if joined.size else 0.0
+
+
+def _counted_differences(signals: list[Array], masks: list[np.ndarray], stride: int = 1) -> Array:
+    """Fourth differences of all recordings, where they count."""
+    seen = (fourth_differences(*each, stride) for each in zip(signals, masks, strict=True))
+    return np.concatenate([np.empty(0), *(difference[whole] for difference, whole in seen)])
 
 
 def rms(values: Array) -> float:

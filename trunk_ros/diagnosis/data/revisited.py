@@ -14,9 +14,8 @@ from trunk_ros.diagnosis.data.noise import BINOMIAL, trimmed
 
 
 def neighbours(places: Array) -> np.ndarray:
-    """(n,) the row nearest to each of some places (n, joints) so many rows away that it does not
-    show in fourth differences; the row itself where there is none near by. Each joint counts by how far it
-    goes.
+    """(n,) the row nearest to each of some places (n, joints) so many rows away that it does not show in
+    fourth differences; the row itself where there is none near by. Each joint counts by how far it goes.
     """
     away = len(BINOMIAL) - 1
     size, many = np.std(places, axis=0), min(2 * away + 1, len(places))
@@ -24,7 +23,8 @@ def neighbours(places: Array) -> np.ndarray:
     itself = np.arange(len(places))
     if many < 2 or not moves.any():
         return itself
-    near = cKDTree(places[:, moves] / size[moves]).query(places[:, moves] / size[moves], many)[1]
+    scaled = places[:, moves] / size[moves]
+    near = cKDTree(scaled).query(scaled, many)[1]
     elsewhere = np.abs(near - itself[:, None]) >= away
     first = near[itself, elsewhere.argmax(axis=1)]
     return np.where(elsewhere.any(axis=1), first, itself)

@@ -29,7 +29,7 @@ def honest(context: Context, hypothesis: Hypothesis) -> Context:
     told = {c: _at_rest(context, hypothesis, c) for c in context.columns if context.noise[c].remembers > 0.0}
     if not any(told.values()):
         return context
-    return replace(context, noise=tuple(told.get(c) or n for c, n in enumerate(context.noise)))
+    return context.in_noise([told.get(c) or n for c, n in enumerate(context.noise)])
 
 
 def _as_read(context: Context) -> Context:
@@ -40,8 +40,8 @@ def _as_read(context: Context) -> Context:
         most = roughness_of([s.target for s in seen], [s.valid for s in seen])
         if CLEARLY * most < context.noise[c].roughness:
             told[c] = Noise(float(np.hypot(most, context.stage.resolution(c))))
-    noise = tuple(told.get(c, n) for c, n in enumerate(context.noise))
-    return replace(context, noise=noise, louder=context.louder.but_on(told)) if told else context
+    noise = [told.get(c, n) for c, n in enumerate(context.noise)]
+    return replace(context, louder=context.louder.but_on(told)).in_noise(noise) if told else context
 
 
 def _at_rest(context: Context, hypothesis: Hypothesis, column: int) -> Noise | None:

@@ -39,7 +39,7 @@ def told_from_hum(now: Fit, kept: Callable[[int], Kept]) -> Fit:
     if all(new is old for new, old in zip(views, context.views, strict=True)):
         return now
     still = context.viewing(views, anew=True).weighed(now.hypothesis)
-    gained = now.total - costed(replace(still, noise=context.noise), now.hypothesis).total
+    gained = now.total - costed(still.in_noise(context.noise), now.hypothesis).total
     if _may_be_named(now, kept, gained):
         return now
     return refit(measured(costed(still, context.known)), now.hypothesis)

@@ -24,8 +24,8 @@ SHOWN, DRIVEN, ASKED = TOPICS["joint_states"], TOPICS["gearbox_states"], TOPICS[
 
 def clocks_put_right(recording: Recording, model: Model) -> Recording:
     """Readings and setpoints with the times at which they were taken and acted, and all setpoints there were;
-    of coarse readings it is said how coarse they are, and of filtered ones those are kept that
-    tell something new. Units and names of joints have to be right.
+    of coarse readings it is said how coarse they are, and of filtered ones those are kept that tell something
+    new. Units and names of joints have to be right.
     """
     for look in (
         read_when,

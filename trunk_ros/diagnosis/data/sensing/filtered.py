@@ -9,12 +9,13 @@ import numpy as np
 
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.data.noise import is_none
-from trunk_ros.diagnosis.data.sensing.physics import CLOCKED
+from trunk_ros.diagnosis.data.sensing.physics import CLOCKED, while_driven
 from trunk_ros.diagnosis.levels import HALF, PART, ROUGHLY, SEVERAL, TENFOLD
 from trunk_ros.guards import BLIND, TINY
 from trunk_ros.recording.recording import JointSeries
 from trunk_ros.recording.signal.encoder import counts
 from trunk_ros.recording.signal.fill import fill
+from trunk_ros.recording.signal.gaps import runs
 from trunk_ros.recording.signal.resample import SLOW, longest_gap, resample
 
 OCTAVE = 2  # bands
@@ -40,8 +41,7 @@ def filtered(gearbox: JointSeries, shown: JointSeries) -> Filtered | None:
     wire does so as well, but with a peak, with noise of its sensor below all that it does, at any frequency,
     and it comes to rest. What readings of the motors scatter is no noise of the joints.
     """
-    driven_at = (shown.stamp >= gearbox.stamp[0]) & (shown.stamp <= gearbox.stamp[-1])
-    shown = _in_one_run(shown.rows(driven_at))
+    shown = _in_one_run(while_driven(gearbox, shown))
     if len(shown.stamp) < CLOCKED:
         return None
     step, read = float(np.mean(np.diff(shown.stamp))), fill(shown.position)
@@ -148,8 +148,7 @@ def _half(octave: Array, level: Array, k: int) -> float:
 
 def _in_one_run(series: JointSeries) -> JointSeries:
     """The most readings that follow each other without a gap."""
-    ends = np.concatenate([[0], 1 + np.flatnonzero(np.diff(series.stamp) > longest_gap(series.stamp)),
-                           [len(series.stamp)]])  # fmt: skip
-    longest = int(np.argmax(np.diff(ends)))
+    near = runs(np.diff(series.stamp) <= longest_gap(series.stamp))
+    first, last = max(near, key=np.ptp, default=(0, 0))
     rows = np.arange(len(series.stamp))
-    return series.rows((rows >= ends[longest]) & (rows < ends[longest + 1]))
+    return series.rows((rows >= first) & (rows <= last))
