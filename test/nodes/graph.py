@@ -76,6 +76,7 @@ class Peer:
         self.node = rclpy.create_node("test_peer", context=self.context)
         self.executor = EventsExecutor(context=self.context)
         self.executor.add_node(self.node)
+        self.met: set[Any] = set()
 
     def publisher(self, kind: Any, topic: str) -> Any:
         """A reliable publisher."""
@@ -132,9 +133,28 @@ class Peer:
     def call(self, client: Any, request: Any) -> Any:
         """The answer of a service."""
         self.until(client.service_is_ready)
+        if client not in self.met:
+            self._is_met(client.srv_name.rpartition("/")[0])
+            self.met.add(client)
         done = client.call_async(request)
         self.until(lambda: done.done())
         return done.result()
+
+    def _is_met(self, node: str) -> None:
+        """Ask what may be asked again until a node answers.
+
+        A node that has not met the ear of a client yet loses its answer for good (rmw_fastrtps: "client will
+        not receive response"); ears are met in the order in which they were made.
+        """
+        from rcl_interfaces.srv import ListParameters
+
+        client = self.node.create_client(ListParameters, f"{node}/list_parameters")
+        self.until(client.service_is_ready)
+        asked: list[Any] = []
+        self.answered(
+            lambda: asked.append(client.call_async(ListParameters.Request())),
+            lambda: any(each.done() for each in asked),
+        )
 
     def now(self) -> Any:
         """The stamp of this moment."""
