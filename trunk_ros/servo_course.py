@@ -41,13 +41,14 @@ def servo_course(
         phi[piece], state = chain.run(
             held[last[piece]], grid[piece], state, resistance=None if known is None else known.part(piece)
         )
-    return JointSeries(wanted[kept], setpoints.joints, phi[rows])
+    everywhere = np.array_equal(rows, np.arange(len(grid)))
+    return JointSeries(wanted[kept], setpoints.joints, phi if everywhere else phi[rows])
 
 
 def felt(recording: Recording, arm: Arm, grid: Floats) -> Resistance | None:
     """What a recording tells of the load on an arm's motors, at ``grid`` (m,) s; None where it does not."""
     gearbox = recording.series.get("gearbox_states")
-    if gearbox is None or not set(arm.joints) <= set(gearbox.joints):
+    if arm.load_from == "weight" or gearbox is None or not set(arm.joints) <= set(gearbox.joints):
         return None
     gearbox = gearbox.select(arm.joints)
     at_wires = at_joints(gearbox, arm, measured=False)

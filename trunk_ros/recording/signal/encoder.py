@@ -68,13 +68,19 @@ def noises(series: JointSeries) -> Floats:
     """
     if len(series.stamp) < CALM or stops_to_measure(series.stamp):
         return np.zeros(len(series.joints))
-    readings = fill(series.position)
-    fourth = np.diff(readings, 4, axis=0)
-    follows = np.mean(np.sign(fourth[1:]) * np.sign(fourth[:-1]), axis=0)
+    return np.array([_noise(readings) for readings in fill(series.position).T])
+
+
+def _noise(readings: Floats) -> float:
+    """That of one joint (n,)."""
+    fourth = np.diff(readings, 4)
+    signs = np.sign(fourth)
+    if float(np.mean(signs[1:] * signs[:-1])) >= ALTERNATES:
+        return 0.0
     blocks = np.array_split(np.abs(fourth), len(fourth) // CALM + 1)
-    usual = np.array([np.median(block, axis=0) for block in blocks]) * MEDIAN_TO_STD / np.sqrt(70.0)
-    found = np.quantile(usual, CALMEST, axis=0)
-    return np.where((follows < ALTERNATES) & (found > EXACT * np.ptp(readings, axis=0)), found, 0.0)
+    usual = np.array([np.median(block) for block in blocks]) * MEDIAN_TO_STD / np.sqrt(70.0)
+    found = float(np.quantile(usual, CALMEST))
+    return found if found > EXACT * float(np.ptp(readings)) else 0.0
 
 
 def count(readings: Floats) -> float:

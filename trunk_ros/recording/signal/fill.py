@@ -46,6 +46,8 @@ def between(stamp: Floats, values: Floats, step: float) -> tuple[Floats, Floats]
 def hold(values: Floats) -> Floats:
     """(n, joints) with missing values held from the last one known, the first from the next."""
     known = np.isfinite(values)
+    if known.all():
+        return np.ascontiguousarray(values)
     last = np.maximum.accumulate(np.where(known, np.arange(len(values))[:, None], -1), axis=0)
     first = np.where(known.any(axis=0), known.argmax(axis=0), 0)
     return np.nan_to_num(np.take_along_axis(values, np.where(last < 0, first, last), axis=0))

@@ -127,13 +127,17 @@ def _velocity(series: JointSeries, position: Floats) -> Floats:
 
 
 def _slope(stamp: Floats, position: Floats) -> Floats:
-    return np.asarray(np.gradient(position, stamp, axis=0)) if len(stamp) > 2 else np.zeros_like(position)
+    if len(stamp) <= 2:
+        return np.zeros_like(position)
+    return np.column_stack([np.gradient(column, stamp) for column in position.T])
 
 
 def _fits(series: JointSeries, position: Floats) -> bool:
     """Whether the recorded velocity is that of the recorded position."""
     if series.velocity is None or not np.isfinite(series.velocity).any() or len(position) < 5:
         return False
-    slope, given = _slope(series.stamp, position), fill(series.velocity)
-    off, size = float(np.sqrt(np.mean((slope - given) ** 2))), float(np.sqrt(np.mean(slope**2)))
+    slope = _slope(series.stamp, position)
+    size = float(np.sqrt(np.mean(slope**2)))
+    slope -= fill(series.velocity)
+    off = float(np.sqrt(np.mean(np.square(slope, out=slope))))
     return off < 0.5 * size + 1e-9
