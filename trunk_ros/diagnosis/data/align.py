@@ -9,10 +9,12 @@ import numpy as np
 from trunk_ros.arm_model import ArmModel
 from trunk_ros.chain import REMEMBERED
 from trunk_ros.compiled import Array
-from trunk_ros.diagnosis.data.motion_content import MOVED, STANDS, comes_back, is_wide, passed, turned
+from trunk_ros.diagnosis.data.motion_content import MOVED, STANDS, comes_back, extent, is_wide, passed, turned
 from trunk_ros.diagnosis.data.repeated_readings import new_motor_readings, new_readings
-from trunk_ros.diagnosis.data.span import Span
+from trunk_ros.diagnosis.data.span import Span, in_one_piece
+from trunk_ros.diagnosis.heap import give_back
 from trunk_ros.diagnosis.levels import CERTAIN, ENOUGH, HALF, OUTLIERS, ROUGH, SLIGHT
+from trunk_ros.diagnosis.machine import CELLS
 from trunk_ros.errors import RecordingError
 from trunk_ros.recording.recording import JointSeries, Recording
 from trunk_ros.recording.signal.encoder import between_counts, counts, noises
@@ -51,27 +53,33 @@ def wire_span(recording: Recording, model: ArmModel) -> Span:
     grid, rows, kept = joint_grid(gearbox.stamp, measured.stamp)
     phi, velocity = resample(between_counts(gearbox, steps), grid)
     phi = as_the_servo_went(recording, gearbox, steps, grid, phi, model)
+    if len(grid) > CELLS:
+        give_back()
     grain = np.maximum(steps, np.sqrt(12.0) * noises(gearbox))
     valid = np.isfinite(measured.position[kept]) & ~in_gaps(gearbox, grid)[rows]
-    target = np.where(valid, measured.position[kept], 0.0)
+    target = np.asfortranarray(np.where(valid, measured.position[kept], 0.0))  # as a span has it: no copy
     arm = model.arm.only(joints)
     u = phi * arm.ratio
-    start = _start(u, rows, target, valid)
+    far = extent(u)
+    start = _start(far, rows, valid)
     least = np.maximum(MOVED * np.ptp(u, axis=0), np.maximum(BANDS * arm.dead_band, STANDS))
     least[_goes_on(u) & (arm.dead_band == 0.0)] = -1.0  # there is no play to be seen
-    loop = _loop(u[rows], target, valid)
+    at = in_one_piece(rows)
+    loop = _loop(u[at], target, valid)
     past = np.minimum(least, np.maximum(BANDS * loop, STANDS))
     small = np.maximum(noises(measured) / 2, UNSEEN)
     small = np.maximum(small, np.where(np.isfinite(loop), ROUGH * loop, 0.0))  # wide ones are hardly moved
-    counted = _counted(u, rows, start, least)
+    counted = _counted(far, rows, start, least)
+    del far
     counted |= ~counted.any(axis=0) & _moved_along(target, valid, start, noises(measured))
     valid &= counted & ~_forgotten(u, grid, gearbox.stamp, past, small)[rows]
     early = np.zeros_like(valid)
     if len(rows) > 1 and float(np.median(np.diff(grid[rows]))) < SLOW:
-        late = _beside_wide_loops(u[rows], velocity[rows], target, valid)
+        late = _beside_wide_loops(u[at], velocity[at], target, valid)
         valid, early = valid & late, valid & ~late
         for j in np.flatnonzero(early.any(axis=0)):
             early[:, j] &= ~passed(u[rows, j], velocity[rows, j], valid[:, j])
+    del u
     known = resistance(arm, gearbox, grid, phi, measured)
     span = Span(
         recording.name, joints, grid, phi, velocity, rows, target, valid, phi, start, known, held, grain
@@ -147,15 +155,14 @@ def servo_span(recording: Recording, model: ArmModel) -> Span:
     asked = all_setpoints(recording, joints, model) or setpoints
     grid, rows, kept = joint_grid(asked.stamp, gearbox.stamp, fine=False)
     held = np.clip(np.searchsorted(asked.stamp, grid + SAME, side="right") - 1, 0, None)
-    source = hold(asked.position)[held]
-    measured = gearbox.position[kept]
+    source = np.asfortranarray(hold(asked.position)[in_one_piece(held)])
     arm = model.for_joints(joints).arm.only(joints)
     small = np.maximum(noises(gearbox) / 2, UNSEEN)
     unsettled, anew = _after_gaps(setpoints, grid, in_gaps(gearbox, grid), arm.v_max, small)
     unsettled |= grid < grid[0] + SETTLING
-    valid = np.isfinite(measured) & told & ~unsettled[rows][:, None]
+    valid = np.isfinite(gearbox.position[kept]) & told & ~unsettled[rows][:, None]
     phi, velocity = resample(gearbox, grid)
-    target = np.where(valid, measured, 0.0)
+    target = np.asfortranarray(np.where(valid, gearbox.position[kept], 0.0))
     unknown = (np.empty(0, dtype=int),) * len(joints)
     known = felt(recording, arm, grid)
     return Span(
@@ -224,12 +231,11 @@ def _harmless(setpoints: JointSeries, small: Array) -> np.ndarray:
     return np.asarray(seen.after[(share <= 1.0) & np.all(share[:, None] * seen.off <= small, axis=1)])
 
 
-def _counted(u: Array, rows: np.ndarray, start: tuple[np.ndarray, ...], least: Array) -> np.ndarray:
-    """(n, joints): where the state of the play is known: from where a joint has moved enough for that at the
-    start to be forgotten, and before where it was seen to stand as it began. A joint that hardly moves counts
-    nowhere.
+def _counted(far: Array, rows: np.ndarray, start: tuple[np.ndarray, ...], least: Array) -> np.ndarray:
+    """(n, joints): where the state of the play is known: from where a joint has moved ``far`` (m, joints)
+    enough for that at the start to be forgotten, and before where it was seen to stand as it began. A joint
+    that hardly moves counts nowhere.
     """
-    far = np.maximum.accumulate(np.abs(u - u[0]), axis=0)
     engaged = far > least
     standing = (far < STANDS) & engaged.any(axis=0) & np.array([len(s) > 0 for s in start])
     return np.asarray((engaged | standing)[rows])
@@ -255,11 +261,9 @@ def _forgotten(u: Array, grid: Array, stamp: Array, least: Array, small: Array) 
     longest = min(usual(stamp), longest_gap(stamp))
     for k in np.flatnonzero(np.diff(stamp) > longest):
         first = int(np.searchsorted(grid, stamp[k + 1] - SAME))
-        unseen = _turned_by(u, grid, stamp, int(k)) > small
-        unseen |= bool(stamp[k + 1] - stamp[k] > FORGETS)
+        unseen = (_turned_by(u, grid, stamp, int(k)) > small) | bool(stamp[k + 1] - stamp[k] > FORGETS)
         if unseen.any():
-            far = np.maximum.accumulate(np.abs(u[first:] - u[first]), axis=0)
-            out[first:] |= (far < least) & unseen
+            out[first:] |= (extent(u[first:]) < least) & unseen
     return out
 
 
@@ -289,8 +293,8 @@ def _turned_by(u: Array, grid: Array, stamp: Array, k: int) -> Array:
     return np.asarray(np.where(turns, unseen, 0.0))
 
 
-def _start(u: Array, rows: np.ndarray, target: Array, valid: np.ndarray) -> tuple[np.ndarray, ...]:
-    """The first rows of the target at which each joint stands, if it stands long before it moves."""
-    still = np.maximum.accumulate(np.abs(u - u[0]), axis=0)[rows] < STANDS
-    seen = [np.flatnonzero(still[:, j] & valid[:, j]) for j in range(target.shape[1])]
+def _start(far: Array, rows: np.ndarray, valid: np.ndarray) -> tuple[np.ndarray, ...]:
+    """The first rows of the target at which each joint stands, if it stands long before it goes ``far``."""
+    still = (far < STANDS)[rows]
+    seen = [np.flatnonzero(still[:, j] & valid[:, j]) for j in range(valid.shape[1])]
     return tuple(s if len(s) >= ENOUGH else s[:0] for s in seen)

@@ -10,7 +10,7 @@ import numpy as np
 from trunk_ros.chain import REMEMBERED
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.data.align import SETTLING
-from trunk_ros.diagnosis.data.motion_content import MOVED
+from trunk_ros.diagnosis.data.motion_content import MOVED, extent
 from trunk_ros.diagnosis.data.span import Span
 from trunk_ros.diagnosis.levels import MOST, ROWS
 from trunk_ros.recording.signal.resample import FINE, LONGEST_GAP
@@ -140,5 +140,4 @@ def taken(span: Span, chosen: np.ndarray, forgotten: np.ndarray) -> Span:
 
 def _warm(time: Array, gearbox: Array, reach: Array) -> np.ndarray:
     """(m, joints) where a block counts: after some time, and once a joint has moved in it."""
-    far = np.maximum.accumulate(np.abs(gearbox - gearbox[0]), axis=0)
-    return np.asarray((far > MOVED * reach) & (time > time[0] + WARM)[:, None])
+    return np.asarray((extent(gearbox) > MOVED * reach) & (time > time[0] + WARM)[:, None])

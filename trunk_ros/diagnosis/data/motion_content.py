@@ -88,6 +88,13 @@ def comes_back(position: Array) -> bool:
     return bool(up.max() > least and down.max() > least)
 
 
+def extent(angles: Array) -> Array:
+    """(n, joints) how far joints at angles (n, joints) have been at most from where they began."""
+    away = angles - angles[0]
+    np.abs(away, out=away)
+    return np.asarray(np.maximum.accumulate(away, axis=0, out=away))
+
+
 def turned(position: Array) -> np.ndarray:
     """(n,) from where a joint has moved, turned and come back some way: a wide play lies at its one side by
     then, wherever it lay when the recording began.
