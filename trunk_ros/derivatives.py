@@ -33,6 +33,27 @@ def follow(x: Array, dt: Array, memory: Array, speed: Array, acceleration: Array
             acceleration[k, j] = (x[k, j] - 2.0 * memory[1, j] + memory[2, j]) / LAG**2
 
 
+def gradient(x: Array, stamp: Array) -> Array:
+    """(n,) slopes of ``x`` (n,) at each stamp (n,), as ``np.gradient``, which takes eight times the room."""
+    out = np.empty_like(stamp)
+    slopes(x, stamp, out)
+    return out
+
+
+@compiled
+def slopes(x: Array, stamp: Array, out: Array) -> None:
+    """The same; ``out`` (n,)."""
+    last = len(x) - 1
+    for k in range(1, last):
+        before, after = stamp[k] - stamp[k - 1], stamp[k + 1] - stamp[k]
+        a = -after / (before * (before + after))
+        b = (after - before) / (before * after)
+        c = before / (after * (before + after))
+        out[k] = a * x[k - 1] + b * x[k] + c * x[k + 1]
+    out[0] = (x[1] - x[0]) / (stamp[1] - stamp[0])
+    out[last] = (x[last] - x[last - 1]) / (stamp[last] - stamp[last - 1])
+
+
 @compiled
 def local_parabola(stamp: Array, x: Array, half: float, out: Array) -> None:
     """Parabolas fitted to ``x`` (n, columns) within ``half`` s of each stamp (n,): level, slope and curvature

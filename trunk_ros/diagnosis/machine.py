@@ -25,9 +25,10 @@ FOUND = 32
 """A joint's rest that is remembered takes as much room as so many samples."""
 
 
-def pieces(rows: int) -> list[slice]:
-    """Rows that are computed together; of short recordings all of them."""
-    return [slice(k, k + CELLS) for k in range(0, max(rows, 1), CELLS)]
+def pieces(rows: int, columns: int = 1) -> list[slice]:
+    """Rows of so many columns that are computed together; of short recordings all of them."""
+    together = CELLS if rows <= CELLS else CELLS // columns
+    return [slice(k, k + together) for k in range(0, max(rows, 1), together)]
 
 
 def precision(rows: int) -> type[np.floating[Any]]:

@@ -51,6 +51,8 @@ def _longest(stamp: Array) -> slice:
 def _explained(frequency: float, stamp: Array, off: Array) -> float:
     """Share of the power of ``off`` (n,) that a sine of a frequency takes up."""
     turn = 2 * np.pi * frequency * stamp
-    waves = np.stack([np.cos(turn), np.sin(turn)])
+    waves = np.empty((2, len(turn)))
+    np.cos(turn, out=waves[0])
+    np.sin(turn, out=waves[1])
     both = waves @ off
     return float(both @ np.linalg.solve(waves @ waves.T, both) / (off @ off))

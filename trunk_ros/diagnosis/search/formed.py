@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
 
 from trunk_ros.compiled import Array
+from trunk_ros.derivatives import gradient
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.hypothesis import Hypothesis
 from trunk_ros.diagnosis.levels import CLEARLY, FAR_OFF, HALF, PART, SEVERAL, SLIGHT
@@ -77,7 +79,7 @@ def behind(context: Context, column: int) -> Array:
     speeds = []
     for index, view in enumerate(context.views):
         went = context.stage.predict(context, index, context.known, column)
-        speeds.append(-context.stage.ahead * np.gradient(went, view.span.stamp))
+        speeds.append(-context.stage.ahead * gradient(went, view.span.stamp))
     return context.whiten_change(speeds, column)
 
 
@@ -104,17 +106,16 @@ def _right_line(context: Context, column: int, rest: Array, line: Array) -> floa
 
 def _rest_and_line(fit: Fit, column: int) -> tuple[Array, Array]:
     """(4,) what is left of a column, and (4, 3) its line: in the few coordinates in which all of them lie."""
-    both = np.column_stack([_line(fit, column), fit.context.whitened(fit.hypothesis, column)])
+    both = np.column_stack([*_line(fit, column), fit.context.whitened(fit.hypothesis, column)])
     few = np.asarray(np.linalg.qr(both, mode="r"))
     return few[:, -1], few[:, :-1]
 
 
-def _line(fit: Fit, column: int) -> Array:
-    """What another ratio, zero and time of reading change (rows, 3), whitened: per 1, rad and s."""
+def _line(fit: Fit, column: int) -> Iterator[Array]:
+    """What another ratio, zero and time of reading change (rows,), whitened: per 1, rad and s."""
     context = fit.context
     ratio = context.arm.ratio[column] if context.stage.name == "wire" else 1.0
     spans = [view.span for view in context.views]
-    angles = [span.gearbox[span.rows, column] * ratio for span in spans]
-    zeros = [np.ones_like(angle) for angle in angles]
-    lags = [-span.velocity[span.rows, column] * ratio for span in spans]
-    return np.column_stack([context.whiten_change(shape, column) for shape in (angles, zeros, lags)])
+    yield context.whiten_change([span.measured(span.gearbox[:, column]) * ratio for span in spans], column)
+    yield context.whiten_change([np.ones(len(span.rows)) for span in spans], column)
+    yield context.whiten_change([-span.measured(span.velocity[:, column]) * ratio for span in spans], column)

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from trunk_ros.compiled import Array
+from trunk_ros.diagnosis.data.sensing.physics import Features
 from trunk_ros.diagnosis.machine import PIECE
 
 PIECES = 256
@@ -31,7 +32,7 @@ class Band:
     """(stretches, ORDERS, signals), complex."""
 
     @staticmethod
-    def of(stamp: Array, middle: float, *signals: Array) -> Band:
+    def of(stamp: Array, middle: float, *signals: Array | Features) -> Band:
         """Of signals (n, some) each, after one another, at rising stamps (n,)."""
         half = max(float(stamp[-1] - stamp[0]) / (2 * PIECES), 1e-9)
         cell = np.minimum((stamp - stamp[0]) / (2 * half), PIECES - 1).astype(int)

@@ -95,8 +95,8 @@ class Densities:
     @classmethod
     def of(cls, driven: Array, read: Array, step: float) -> Densities:
         """Of readings (n, motors) and (n, joints) that are a ``step`` s apart."""
-        window = np.hanning(len(read))[:, None]
-        own, asked = (np.fft.rfft((each - each.mean(axis=0)) * window, axis=0) for each in (read, driven))
+        window = np.hanning(len(read))
+        own, asked = (_waves(each, window) for each in (read, driven))
         gain = np.linalg.lstsq(asked, own, rcond=BLIND)[0]
         unit = 2.0 * step / float(np.sum(window**2))
         octaves = int(OCTAVE * np.log2(len(own)))
@@ -127,6 +127,12 @@ class Densities:
         power = parts.mean(axis=1)
         quiet = np.quantile(power, PART, axis=0) / power.mean(axis=0)
         return bool(np.log(quiet).mean() > np.log(ROUGHLY))
+
+
+def _waves(signals: Array, window: Array) -> np.ndarray:
+    """(frequencies, k) of signals (n, k) but for their means, seen through a ``window`` (n,)."""
+    pairs = zip(signals.T, signals.mean(axis=0), strict=True)
+    return np.column_stack([np.fft.rfft((signal - mean) * window) for signal, mean in pairs])
 
 
 def _size(waves: np.ndarray) -> Array:

@@ -17,8 +17,8 @@ from trunk_ros.arm import Arm
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.data.sensing.band import Band
 from trunk_ros.diagnosis.data.sensing.physics import (
+    Features,
     Motion,
-    beside_physics,
     motion_of,
     take_off,
     tells_of_clocks,
@@ -58,8 +58,8 @@ def hums(gearbox: JointSeries, shown: JointSeries, arm: Arm) -> list[Hum]:
     motion = motion_of(gearbox, shown, arm)
     found = list[Hum]()
 
-    def features(joint: int) -> Array:
-        return beside_physics(motion, joint, motion.speed[:, joint])  # which late readings show
+    def features(joint: int) -> Features:
+        return Features.of(motion, joint, motion.speed[:, joint])  # which late readings show
 
     while len(found) < TONES:
         off = (_but_for(found, motion, joint) for joint in range(len(shown.joints)))
@@ -108,7 +108,11 @@ class _Waves:
 
 
 def tone(
-    stamp: Array, off: Iterable[Array], asked: Iterable[Array], features: Callable[[int], Array], least: float
+    stamp: Array,
+    off: Iterable[Array],
+    asked: Iterable[Array],
+    features: Callable[[int], Array | Features],
+    least: float,
 ) -> Hum | None:
     """The strongest line of what ``features`` (n, k) of a joint do not say of where each joint is ``off``
     (n,), of the middle joint, where it is one of all of them, comes back so many times at ``least``, and is
@@ -143,7 +147,7 @@ def tone(
     return Hum(frequency, mean, known, seen)
 
 
-def _beside(features: Array, one: Array) -> tuple[Array, Array]:
+def _beside(features: Array | Features, one: Array) -> tuple[Array, Array]:
     """What features (n, k) do not say of a signal (n,), and the mixtures by which they are orthonormal."""
     rest = one.copy()
     return rest, take_off(features, rest)

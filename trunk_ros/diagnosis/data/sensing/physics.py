@@ -11,6 +11,7 @@ import numpy as np
 
 from trunk_ros.arm import Arm
 from trunk_ros.compiled import Array, compiled
+from trunk_ros.derivatives import gradient
 from trunk_ros.diagnosis.data.motion_content import in_its_play
 from trunk_ros.diagnosis.levels import FAR_OFF, MOST, ROWS
 from trunk_ros.diagnosis.machine import pieces, precision
@@ -110,30 +111,61 @@ def some_motion(gearbox: JointSeries, shown: JointSeries, arm: Arm) -> Motion | 
 def beside_physics(motion: Motion, joint: int, *own: Array, wear: bool = True) -> Array:
     """(n, features): such as are (n,) of a clock's ``own``, and after them what physics does to a joint:
     friction (always, by load, at low speed, and ``wear``: that grows), posture, load, coupling, creep, drift
-    and inertia. Of a long recording they are as large as all else: there is one copy.
+    and inertia.
     """
-    rows = len(motion.stamp)
-    out = np.empty((rows, len(own) + 16 + wear + 2 * len(motion.joints)), precision(rows))
-    for column, feature in zip(out.T, chain(own, _features(motion, joint, wear)), strict=True):
-        column[:] = feature
-    return out
+    return Features.of(motion, joint, *own, wear=wear)[:]
 
 
-def _features(motion: Motion, joint: int, wear: bool) -> Iterator[Array]:
-    own, speed, load = motion.asked[:, joint], motion.speed[:, joint], motion.load[:, joint]
-    way, t = in_its_play(own, _dead_band(motion, joint)), motion.time
-    yield from (way, way * np.abs(load), way * np.exp(-np.abs(speed) / SLOWLY))
-    if wear:
-        yield way * t
-    yield from (np.ones_like(t), t, t**2)
-    yield from (load, load * np.abs(load), load * t, own**2, own**3, own * t)
-    yield from (np.gradient(speed, motion.stamp), speed**2)
-    yield from (lowpassed(motion.stamp, own, late) for late in CREEPS)
-    turned = np.zeros_like(own)
-    for joint_angle in motion.asked.T:
-        turned = turned + joint_angle
-        yield np.sin(turned)
-    yield from motion.asked.T
+@dataclass(frozen=True)
+class Features:
+    """The same, made of the few that need all rows (n,) when some rows are asked for: of a long recording all
+    of them are as large as all else.
+    """
+
+    motion: Motion
+    joint: int
+    own: tuple[Array, ...]
+    wear: bool
+    way: Array
+    rush: Array
+    creeps: tuple[Array, ...]
+
+    @staticmethod
+    def of(motion: Motion, joint: int, *own: Array, wear: bool = True) -> Features:
+        """Of a joint."""
+        asked, stamp = motion.asked[:, joint], motion.stamp
+        way = in_its_play(asked, _dead_band(motion, joint))
+        creeps = tuple(lowpassed(stamp, asked, late) for late in CREEPS)
+        return Features(motion, joint, own, wear, way, gradient(motion.speed[:, joint], stamp), creeps)
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """(n, features)."""
+        return len(self.way), len(self.own) + 16 + self.wear + 2 * len(self.motion.joints)
+
+    def __len__(self) -> int:
+        return len(self.way)
+
+    def __getitem__(self, rows: slice) -> Array:
+        out = np.empty((len(self.way[rows]), self.shape[1]), precision(len(self)))
+        some = chain((each[rows] for each in self.own), self._made(rows))
+        for column, feature in zip(out.T, some, strict=True):
+            column[:] = feature
+        return out
+
+    def _made(self, rows: slice) -> Iterator[Array]:
+        motion, way, asked = self.motion, self.way[rows], self.motion.asked[rows]
+        speed, load = motion.speed[rows, self.joint], motion.load[rows, self.joint]
+        t, own = motion.time[rows], asked[:, self.joint]
+        yield from (way, way * np.abs(load), way * np.exp(-np.abs(speed) / SLOWLY))
+        if self.wear:
+            yield way * t
+        yield from (np.ones_like(t), t, t**2)
+        yield from (load, load * np.abs(load), load * t, own**2, own**3, own * t)
+        yield from (self.rush[rows], speed**2)
+        yield from (creep[rows] for creep in self.creeps)
+        yield from np.sin(np.cumsum(asked, axis=1)).T
+        yield from asked.T
 
 
 def wider_plays(motion: Motion, joint: int, wear: bool = True) -> Iterator[Array]:
@@ -149,28 +181,28 @@ def _dead_band(motion: Motion, joint: int) -> float:
     return float(motion.arm.dead_band[joint]) or PLAY
 
 
-def along(features: Array, others: Array) -> Array:
+def along(features: Array | Features, others: Array | Features) -> Array:
     """(k, ...) products of features (n, k) with others (n, ...), in double precision."""
     alike = others is features
     total = np.zeros((features.shape[1], *others.shape[1:]))
-    for k in pieces(len(features)):
+    for k in pieces(*features.shape):
         one = features[k].astype(float, copy=False)
         total += one.T @ (one if alike else others[k].astype(float, copy=False))
     return total
 
 
-def take_off(features: Array, signal: Array) -> Array:
+def take_off(features: Array | Features, signal: Array) -> Array:
     """Take what features (n, k) say of a ``signal`` (n,) off it; and the mixtures by which they are
     orthonormal.
     """
     mix = apart(features)
     told = mix @ (mix.T @ along(features, signal))
-    for rows in pieces(len(signal)):
+    for rows in pieces(*features.shape):
         signal[rows] -= features[rows] @ told
     return mix
 
 
-def apart(features: Array) -> Array:
+def apart(features: Array | Features) -> Array:
     """(k, fewer): the mixtures of features (n, k) that are orthonormal and say the same."""
     square = along(features, features)
     size = np.sqrt(np.maximum(square.diagonal(), TINY))

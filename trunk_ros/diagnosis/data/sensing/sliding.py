@@ -12,11 +12,13 @@ import numpy as np
 from scipy.optimize import minimize
 
 from trunk_ros.compiled import Array, compiled
+from trunk_ros.derivatives import gradient
 from trunk_ros.diagnosis.data.align import SETTLING
 from trunk_ros.diagnosis.data.sensing.physics import CLOCKED, MOVES, take_off
 from trunk_ros.diagnosis.discrepancy.spectrum import FINER
+from trunk_ros.diagnosis.heap import give_back
 from trunk_ros.diagnosis.levels import MOST, PART, REFITTED, ROWS, SLIGHT, TENFOLD
-from trunk_ros.diagnosis.machine import precision
+from trunk_ros.diagnosis.machine import pieces, precision
 from trunk_ros.guards import ROUNDED
 from trunk_ros.model import Model
 from trunk_ros.recording.recording import JointSeries
@@ -132,12 +134,12 @@ class _Lags:
     @cached_property
     def moment(self) -> Array:
         """(n,) rad²/s; its sum over a time, over that of ``weight``, is the lag in it."""
-        return np.asarray(-np.sum(self.off * self.speed, axis=1))
+        return -_products(self.off, self.speed)
 
     @cached_property
     def weight(self) -> Array:
         """(n,) speed²."""
-        return np.asarray(np.sum(self.speed**2, axis=1))
+        return _products(self.speed, self.speed)
 
     @property
     def able(self) -> float:
@@ -171,6 +173,11 @@ class _Lags:
         return top * size, size
 
 
+def _products(one: Array, other: Array) -> Array:
+    """(n,) sums of products over the joints, of (n, joints) each."""
+    return np.concatenate([np.sum(one[k] * other[k], axis=1) for k in pieces(len(one))])
+
+
 @compiled
 def _summed(bins: np.ndarray, moment: Array, weight: Array, along: Array, sums: Array) -> None:
     for k in range(len(bins)):
@@ -184,6 +191,7 @@ def _summed(bins: np.ndarray, moment: Array, weight: Array, along: Array, sums: 
 def _late(setpoints: JointSeries, gearbox: JointSeries, model: Model) -> _Lags | None:
     """How late the gearbox is behind the nominal servo's course."""
     course = servo_course(setpoints, gearbox.stamp, model)
+    give_back()
     begins = int(np.searchsorted(course.stamp, course.stamp[0] + SETTLING, side="right"))
     stamp, said = course.stamp[begins:], course.position[begins:]
     if len(stamp) < CLOCKED or not len(moving := np.flatnonzero(np.ptp(said, axis=0) > MOVES)):
@@ -191,7 +199,7 @@ def _late(setpoints: JointSeries, gearbox: JointSeries, model: Model) -> _Lags |
     at, readings = np.searchsorted(gearbox.stamp, stamp), fill(gearbox.position)
     arm = model.only(setpoints.joints).arm
     load = arm.load(said * arm.ratio) if arm.has_load else np.sin(said)
-    speed = np.column_stack([np.gradient(said[:, joint], stamp) for joint in moving])
+    speed = np.column_stack([gradient(said[:, joint], stamp) for joint in moving])
     pairs = [(speed[:, k], said[:, joint], load[:, joint]) for k, joint in enumerate(moving)]
     off, mixes = np.empty_like(speed), []
     for left, joint, pair in zip(off.T, moving, pairs, strict=True):
@@ -209,10 +217,10 @@ def _late(setpoints: JointSeries, gearbox: JointSeries, model: Model) -> _Lags |
 
 def _ways(stamp: Array, speed: Array, said: Array, load: Array) -> Array:
     """(n, k) what a constant lag, other gains, load and a top speed make of a servo."""
-    acts, out = np.gradient(speed, stamp), np.empty((len(stamp), 9), precision(len(stamp)))
-    out[:, 0], out[:, 1], out[:, 2], out[:, 3] = 1.0, speed, acts, np.gradient(acts, stamp)
+    acts, out = gradient(speed, stamp), np.empty((len(stamp), 9), precision(len(stamp)))
+    out[:, 0], out[:, 1], out[:, 2], out[:, 3] = 1.0, speed, acts, gradient(acts, stamp)
     out[:, 4], out[:, 5], out[:, 6] = np.abs(speed) * speed, said, load
-    out[:, 7], out[:, 8] = np.gradient(load, stamp), np.sign(speed)
+    out[:, 7], out[:, 8] = gradient(load, stamp), np.sign(speed)
     return out
 
 
