@@ -5,9 +5,10 @@ tones are taken out of what else is compared.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 from trunk_ros.diagnosis.context import Context
+from trunk_ros.diagnosis.data.sensing.hum import Hum
 from trunk_ros.diagnosis.data.sensing.pairs import told
 from trunk_ros.diagnosis.data.sensing.readings import taken_out
 from trunk_ros.diagnosis.knocks import knocks_told
@@ -28,18 +29,31 @@ def bursts_told(context: Context, index: int) -> Iterator[Observed]:
         yield told("burst", (TOPICS["joint_states"], context.joints), times, None, "1", said)
 
 
-def put_right_beside(recordings: list[Recording], state: Fit) -> list[Recording]:
-    """The recordings of a fit's spans, with what was seen of them since."""
-    return [_put_right(recording, state, index) for index, recording in enumerate(recordings)]
+@dataclass(frozen=True)
+class Beside:
+    """What was seen of a recording beside the physics: tones of some joints, and what to say of it."""
+
+    tones: tuple[tuple[list[str], Hum], ...]
+    observed: tuple[Observed, ...]
+
+    def put_right(self, recording: Recording) -> Recording:
+        """The recording with it."""
+        for joints, hum in self.tones:
+            recording = taken_out(recording, joints, hum)
+        return replace(recording, observed=recording.observed + self.observed)
 
 
-def _put_right(recording: Recording, state: Fit, index: int) -> Recording:
+def beside(state: Fit) -> list[Beside]:
+    """Of each of a fit's spans."""
+    return [_beside(state, index) for index in range(len(state.context.views))]
+
+
+def _beside(state: Fit, index: int) -> Beside:
     context = state.context
-    for columns, hum in context.views[index].hums:
-        recording = taken_out(recording, [context.joints[c] for c in columns], hum)
+    tones = (([context.joints[c] for c in columns], hum) for columns, hum in context.views[index].hums)
     seen = (
         *bursts_told(context, index),
         *skew_told(context, state.hypothesis, index),
         *knocks_told(context, state.hypothesis, index),
     )
-    return replace(recording, observed=recording.observed + seen)
+    return Beside(tuple(tones), seen)

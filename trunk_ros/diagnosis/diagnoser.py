@@ -10,22 +10,21 @@ import numpy as np
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.against import SERVO, Simulator
 from trunk_ros.diagnosis.aside import aside, size_of
-from trunk_ros.diagnosis.beside import put_right_beside
-from trunk_ros.diagnosis.context import LEAST, Context
+from trunk_ros.diagnosis.beside import Beside, beside
+from trunk_ros.diagnosis.context import LEAST
 from trunk_ros.diagnosis.data.align import common_joints, hidden_by_gaps, servo_joints, servo_span, wire_span
 from trunk_ros.diagnosis.data.mix_ups import MixUp, as_if_standing
 from trunk_ros.diagnosis.data.other_simulator import shifted
 from trunk_ros.diagnosis.data.quality import quality_by_name
 from trunk_ros.diagnosis.data.sensing.thinned import how_far_off
+from trunk_ros.diagnosis.drawn import drawn
 from trunk_ros.diagnosis.evidence.at_rest import honest
 from trunk_ros.diagnosis.evidence.cross_validation import Error
 from trunk_ros.diagnosis.evidence.evidence import Evidence
 from trunk_ros.diagnosis.evidence.residual_dependence import rests as powers
 from trunk_ros.diagnosis.experiment.design import experiment, proposals
-from trunk_ros.diagnosis.first_look import first_look
 from trunk_ros.diagnosis.free_run import free_run
 from trunk_ros.diagnosis.heap import give_back
-from trunk_ros.diagnosis.hypothesis import Hypothesis
 from trunk_ros.diagnosis.judged import judged
 from trunk_ros.diagnosis.nominal_servo import Servos, with_its_servo, with_its_setpoints
 from trunk_ros.diagnosis.pace import with_its_clocks
@@ -114,6 +113,11 @@ class Diagnoser:
         with aside(self.size, self.result.plots):
             self.servo()  # with the payload that the wires show
             self.tip()
+            self._conclude()
+        return self.result
+
+    def _conclude(self) -> None:
+        """What is said of all stages together, and of the recordings."""
         self.result.findings.sort(key=lambda finding: STAGES.index(finding.stage))
         self._say_what_is_mixed_up()
         self._refuse_if_nothing_was_seen()
@@ -123,7 +127,6 @@ class Diagnoser:
         own = replace(self.model, effects=kept, duration=longest)
         self.result.model = self._with_limits(drawn_from(own, *self.recordings))
         self.result.quality = quality_by_name(self.recordings, self.model, self.mixed, self.result.model)
-        return self.result
 
     def _with_limits(self, model: Model) -> Model:
         """The model with what it left, and how far the motors went; as it is where no wire was compared."""
@@ -195,25 +198,30 @@ class Diagnoser:
             return
         self.say("wire")
         with aside(self.size, self.recordings, self.wires):
-            wires = np.concatenate([s.gearbox * self.path.arm.only(self.joints).ratio for s in self.spans])
-            self.went = np.std(wires, axis=0), wires.min(axis=0), wires.max(axis=0)
-            del wires
-            seen = [as_if_standing(*each) for each in zip(self.spans, self.mixed, strict=True)]
-            stage, self.spans = WireStage(seen, self.path, self.units), []
-            del seen
-            state = self._stage(stage)
-        if state is not None:
-            for some in (self.recordings, self.wires):
-                some[:] = put_right_beside(some, state)
-            self.lasting = lasting_of(state.context)
+            seen = self._wires()  # all else of the stage is gone when the recordings come back
+        for some in (self.recordings, self.wires):
+            some[:] = [r if one is None else one.put_right(r) for r, one in zip(some, seen, strict=True)]
+
+    def _wires(self) -> list[Beside | None]:
+        """What was seen of each recording beside the physics of its wires."""
+        wires = np.concatenate([s.gearbox * self.path.arm.only(self.joints).ratio for s in self.spans])
+        self.went = np.std(wires, axis=0), wires.min(axis=0), wires.max(axis=0)
+        del wires
+        seen = [as_if_standing(*each) for each in zip(self.spans, self.mixed, strict=True)]
+        stage, self.spans = WireStage(seen, self.path, self.units), []
+        del seen
+        state = self._stage(stage)
+        if state is None:
+            return [None] * len(stage.views)
+        self.lasting = lasting_of(state.context)
+        return [*beside(state)]
 
     def _stage(self, stage: Stage) -> Fit | None:
         give_back()
-        context = first_look(stage)
-        if not context.columns:
+        done = judged(stage, self.settle, lambda text: self.say(f"{stage.name}: {text}"))
+        if done is None:
             self.result.stages[stage.name] = {"compared": False, "joints": {}, "silent": [*stage.joints]}
             return None
-        done = judged(context, self.settle, lambda text: self.say(f"{stage.name}: {text}"))
         state, context, found, std, errors = done.state, done.context, done.found, done.std, done.errors
         context.forget()
         give_back()
@@ -247,7 +255,7 @@ class Diagnoser:
         told = {j for f in new if not f.named for j in f.joints}
         nameless = [rest for rest in rests if (strong - told) & set(rest.joints)]
         self.result.findings += without_a_name(nameless, new)
-        self._plot(context, state.hypothesis)
+        self.result.plots |= drawn(context, state.hypothesis)
         seen = [f.effect for f in new if f.equivalents and f.evidence["gain"]]
         self._experiment(done.part, {name: found[name] for name in seen})
         return state
@@ -264,21 +272,6 @@ class Diagnoser:
             self.result.experiments += told
             if any(entry["trajectory"] for entry in told):
                 self.result.trajectories[file] = done.motion
-
-    def _plot(self, context: Context, hypothesis: Hypothesis) -> None:
-        before, after = (free_run(context, one) for one in (context.known, hypothesis))
-        for c in context.columns:
-            span = context.views[0].span
-            drawn = {
-                "measured": span.target[:, c],
-                "error_before": span.target[:, c] - before.predict(0, context.known, c),
-                "error_after": span.target[:, c] - after.predict(0, hypothesis, c),
-                "gearbox": span.measured(span.gearbox[:, c]),
-                "velocity": span.measured(span.velocity[:, c]),
-            }
-            told = {"stamp": span.stamp, "valid": span.valid[:, c].copy(), "noise": context.noise[c].std}
-            single = {key: values.astype(np.float32) for key, values in drawn.items()}
-            self.result.plots[context.stage.name, context.joints[c]] = {**told, **single}
 
     def tip(self) -> None:
         """Joint to tip."""

@@ -16,9 +16,11 @@ from trunk_ros.diagnosis.evidence.spreads import Spreads, spreads
 from trunk_ros.diagnosis.evidence.untold import as_the_surest
 from trunk_ros.diagnosis.evidence.veto import believed, harmless
 from trunk_ros.diagnosis.evidence.wandering import steadied
+from trunk_ros.diagnosis.first_look import first_look
 from trunk_ros.diagnosis.heap import give_back
 from trunk_ros.diagnosis.search.fit import Fit, costed, refit
 from trunk_ros.diagnosis.search.long import searched
+from trunk_ros.diagnosis.stage import Stage
 from trunk_ros.errors import RecordingError
 
 
@@ -41,13 +43,20 @@ class Judged:
         return self.state.context
 
 
-def judged(context: Context, settle: float, say: Callable[[str], None]) -> Judged:
-    """Search, veto, evidence, errors. Raises RecordingError where recordings are not of one arm."""
+def judged(stage: Stage, settle: float, say: Callable[[str], None]) -> Judged | None:
+    """Search, veto, evidence, errors; None where no joint can be judged. Raises RecordingError where
+    recordings are not of one arm.
+    """
+    context = first_look(stage)
+    if not context.columns:
+        return None
     wrong = contradiction(context, say)
     if wrong is not None:
         raise RecordingError(wrong.statement())
     done = searched(context, say)
     say("evidence")
+    context.forget()
+    del context  # what it knows of all angles is as much again as what is left of them
     give_back()
     state = as_given(harmless(steadied(done.state)))
     part = state if done.part is done.state else refit(done.part.context, state.hypothesis)

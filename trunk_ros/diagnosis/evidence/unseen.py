@@ -26,8 +26,7 @@ def unseen(context: Context, hypothesis: Hypothesis, columns: Collection[int], w
     number = [number_of(len(view.span.rows)) for view in context.views]
     side = [np.full(len(n), k % 2) if whole else n % 2 for k, n in enumerate(number)]
     for fold in (0, 1):
-        half = context.only([s != fold for s in side])
-        fitted = _fitted(half, hypothesis, columns)
+        fitted = _fitted(context.only([s != fold for s in side]), hypothesis, columns)
         judged = free_run(context.only([s == fold for s in side]), fitted)
         for c in columns:
             block = counted(judged.views, number, c)
