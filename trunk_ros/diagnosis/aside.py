@@ -22,7 +22,7 @@ def aside(size: int, *kept: list[Any] | dict[Any, Any]) -> Iterator[None]:
     """What is kept of recordings of so much ``size`` is gone within, and back afterwards: while nobody looks
     at it, it lies in the directory for temporary files. Of small ones, and where there is no room, it stays.
     """
-    file = _written(kept) if size >= 2 * RETURNED else None
+    file = _written(kept) if size >= 4 * RETURNED else None
     if file is None:
         yield
         return

@@ -56,6 +56,7 @@ def diagnose(
     keep_what_is_freed()
     several = [recordings] if isinstance(recordings, (Recording, str, Path)) else recordings
     read = [part for r in several for part in _read(r, from_time, until, namespace)]
+    give_back()
     other = (
         None if against is None else against if isinstance(against, Recording) else read_recording(against)
     )

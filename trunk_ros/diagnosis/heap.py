@@ -6,20 +6,20 @@ import ctypes
 import os
 from contextlib import suppress
 
-RETURNED = 2**23  # bytes: more than one joint of two hours has, less than all of them in single precision
+RETURNED = 2**22  # bytes: less than one joint of two hours has
 
 
 def keep_what_is_freed() -> None:
     """Let glibc keep freed arrays for the next ones: pages that go back to the system and come again take a
     twentieth of a diagnosis (mallopt(3)). What is larger than ``RETURNED`` goes back at once: kept, arrays
-    of all joints of a long recording lie in each other's way, and take half as much again as is in use.
+    of a long recording lie in each other's way, and take half as much again as is in use.
     Elsewhere nothing happens.
     """
     if os.name == "posix":
         with suppress(AttributeError, OSError):
             mallopt = ctypes.CDLL(None).mallopt
             mallopt(-3, RETURNED)  # M_MMAP_THRESHOLD
-            mallopt(-1, 4 * RETURNED)  # M_TRIM_THRESHOLD: what stays at the end of the heap
+            mallopt(-1, 8 * RETURNED)  # M_TRIM_THRESHOLD: what stays at the end of the heap
 
 
 def give_back() -> None:
