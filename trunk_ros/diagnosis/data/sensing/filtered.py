@@ -48,7 +48,8 @@ def filtered(gearbox: JointSeries, shown: JointSeries) -> Filtered | None:
     lives = np.ptp(read, axis=0) > 0.0
     if not lives.any() or step >= SLOW / SEVERAL:
         return None
-    seen = Densities.of(resample(gearbox, shown.stamp)[0], read[:, lives], step)
+    read = read if lives.all() else read[:, lives]
+    seen = Densities.of(resample(gearbox, shown.stamp)[0], read, step)
     level, wide = np.log10(seen.left + TINY).mean(axis=1), SEVERAL * OCTAVE
     if len(level) <= 2 * wide or not _falls(level, counts(shown)[lives], step):
         return None
