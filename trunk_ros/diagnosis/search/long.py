@@ -68,7 +68,9 @@ def _on_the_whole(context: Context, found: Hypothesis, desk: Desk) -> Fit:
     """Fitted to all of it, without what that does not need, and with what only that shows."""
     context.work.finds(len(found) - len(context.known))
     weights = begun(context).context
-    now = _anywhere(renewed(refit(weights, found)))
+    now = renewed(refit(weights, found))
+    context.forget()  # at other angles
+    now = _anywhere(now)
     return plain(descend(now, (ONSET, DROP, ADD), desk, steady=True))
 
 
