@@ -78,12 +78,12 @@ def recorded_servos(
 def stiff() -> Recording:
     """One joint whose servo is nearly where it is asked to be at each moment."""
     gains = {"kp": (200.0,) * 3, "tau_v": (2e-3,) * 3}
-    return of_one_joint(recorded_servos(PLAIN | gains, after=0.0, seconds=10.0), JOINTS[0])
+    return of_joints(recorded_servos(PLAIN | gains, after=0.0, seconds=10.0), JOINTS[0])
 
 
-def of_one_joint(recording: Recording, joint: str) -> Recording:
-    """The same of one joint alone, where no other one matters."""
-    return replace(recording, series={name: s.select((joint,)) for name, s in recording.series.items()})
+def of_joints(recording: Recording, *joints: str) -> Recording:
+    """The same of some joints alone, where no other one matters."""
+    return replace(recording, series={name: s.select(joints) for name, s in recording.series.items()})
 
 
 def _stated(**servo: object) -> Model:
@@ -238,7 +238,7 @@ def _scaled(series: JointSeries, size: Array) -> JointSeries:
 def test_a_long_recording_tells_its_servos_by_the_stretches_in_which_they_move() -> None:
     """Half a minute of motion after two of rest."""
     elbow = JOINTS.index("elbow")
-    whole = of_one_joint(recorded_servos(OWN, seconds=30.0), "elbow")
+    whole = of_joints(recorded_servos(OWN, seconds=30.0), "elbow")
     rest = np.arange(0.0, 120.0, PERIOD)
 
     def after_rest(series: JointSeries) -> JointSeries:

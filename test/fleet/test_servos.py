@@ -9,7 +9,7 @@ pq = pytest.importorskip("pyarrow.parquet")
 pytest.importorskip("distributed")
 pytest.importorskip("ruptures")
 
-from test.diagnosis.test_nominal_servo import OWN, recorded_servos  # noqa: E402
+from test.diagnosis.test_nominal_servo import OWN, of_joints, recorded_servos  # noqa: E402
 from trunk_ros.__main__ import main  # noqa: E402
 from trunk_ros.fleet.together.series import DAY  # noqa: E402
 from trunk_ros.recording.write import write_recording  # noqa: E402
@@ -19,7 +19,8 @@ pytestmark = pytest.mark.timeout(600)
 
 def test_a_servo_that_gets_slower_is_followed_from_what_it_was(tmp_path):
     for k, gain in enumerate((12.0, 12.0, 12.0, 10.8, 9.6)):
-        recording = recorded_servos(OWN | {"kp": (gain, *OWN["kp"][1:])}, seed=k, seconds=20.0)
+        servos = OWN | {"kp": (gain, *OWN["kp"][1:])}
+        recording = of_joints(recorded_servos(servos, seed=k, seconds=20.0), "shoulder", "elbow")
         write_recording(
             tmp_path / "arm" / f"day_{k}", replace(recording, start_ns=int((k + 1) * DAY) * 10**9)
         )
