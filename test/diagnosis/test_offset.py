@@ -4,6 +4,7 @@ and said.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
@@ -55,6 +56,17 @@ def test_readings_ahead_of_the_motor_have_an_early_clock(arm: Recording, model: 
     assert right.observed[0].value == pytest.approx(size, abs=1.5e-4)
     off = right.series["joint_states"].stamp - arm.series["joint_states"].stamp
     assert np.abs(off).max() < 1.5e-4
+
+
+@pytest.mark.parametrize("forces", [lambda v: 0.3 * v, lambda v: np.tanh(v / 0.05)], ids=["viscous", "dry"])
+def test_what_goes_by_the_speed_of_a_slow_swing_has_no_clock_that_is_seconds_early(
+    forces: Callable[[np.ndarray], np.ndarray],
+) -> None:
+    stamp = np.arange(0.0, 40.0, 0.01)
+    motor = 0.6 * np.sin(np.pi * stamp)
+    noise = 1e-4 * np.random.default_rng(0).standard_normal(len(stamp))
+    made = Recording.from_arrays(stamp, motor=motor, joint=forces(np.gradient(motor, stamp)) + noise)
+    assert "early" not in _right(made, load_model("direct"))[1]
 
 
 def test_a_joint_that_physics_makes_late_does_not_hide_an_early_clock(model: Model) -> None:

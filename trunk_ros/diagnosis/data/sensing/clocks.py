@@ -89,23 +89,18 @@ def _set_back(recording: Recording, jump: Offset) -> dict[str, JointSeries]:
 
 def _not_early(recording: Recording, model: Model) -> Recording:
     """Joint readings that do not come before the motion that they show."""
-    both, whole, std = pair(recording, model, "gearbox_states", "joint_states"), 0.0, 0.0
-    if both is None:
-        return recording
-    for _ in range(TURNS):
-        found = early(both[0], Offset(whole, std).off(both[1]), _arm(both[1], model))
-        if found is None:
-            break
-        whole, std = whole + found.size, found.std
-    if whole == 0.0:
+    both = pair(recording, model, "gearbox_states", "joint_states")
+    found = None if both is None else early(*both, _arm(both[1], model))
+    if both is None or found is None:
         return recording
     said = (
-        f"{SHOWN} shows motion {-1e3 * whole:.2f} ± {1e3 * std:.2f} ms before {DRIVEN} does, on all joints, "
-        f"as no physics can: its clock is early, or {DRIVEN} is late. Its stamps were corrected by that"
+        f"{SHOWN} shows motion {-1e3 * found.size:.2f} ± {1e3 * found.std:.2f} ms before {DRIVEN} does, on "
+        f"all joints, as no physics can: its clock is early, or {DRIVEN} is late. Its stamps were corrected "
+        "by that"
     )
     advice = "Synchronise the clocks, or stamp readings where they are taken"
-    observed = told("early", (SHOWN, both[1].joints), -whole, std, "s", said, advice)
-    return seen(recording, observed, joint_states=Offset(whole, std).off(recording.series["joint_states"]))
+    observed = told("early", (SHOWN, both[1].joints), -found.size, found.std, "s", said, advice)
+    return seen(recording, observed, joint_states=found.off(recording.series["joint_states"]))
 
 
 def _arm(shown: JointSeries, model: Model) -> Arm:

@@ -24,7 +24,7 @@ from trunk_ros.diagnosis.data.sensing.physics import (
     some_motion,
     while_driven,
 )
-from trunk_ros.diagnosis.levels import CERTAIN, FEWEST, MOST, NEARLY, PART, ROUGH, SEVERAL, SURE
+from trunk_ros.diagnosis.levels import CERTAIN, FEWEST, HALF, MOST, NEARLY, PART, ROUGH, SEVERAL, SURE, TURNS
 from trunk_ros.guards import BLIND, TINY
 from trunk_ros.recording.recording import JointSeries
 
@@ -48,13 +48,29 @@ class Offset:
 def early(gearbox: JointSeries, shown: JointSeries, arm: Arm) -> Offset | None:
     """By how much the joints' stamps run behind (a negative size): they show motion before the gearbox makes
     it, all moving joints by the same time, but for some that physics makes late. Series with the same joints.
+    What leads by as long as motion itself takes to turn goes by its speed, as the force of a damper does.
     """
-    motion = some_motion(gearbox, while_driven(gearbox, shown), arm)
-    if motion is None:
-        return None
+    size, std = 0.0, 0.0
+    for _ in range(TURNS):  # what is left of a large one shows when most of it is gone
+        motion = some_motion(gearbox, while_driven(gearbox, Offset(size, std).off(shown)), arm)
+        found = None if motion is None else _earlier(motion)
+        if motion is None or found is None:
+            break
+        size, std = size + found.size, found.std
+        if -size > HALF * _turns_in(motion):
+            return None
+    return Offset(size, std) if size < 0.0 else None
+
+
+def _earlier(motion: Motion) -> Offset | None:
     lags = [_lag(motion, joint) for joint in motion.moving]
     found = _together(lags, max(min(SEVERAL, len(motion.joints)), MOST * len(lags)), True)
     return found if found is not None and found.size < 0.0 else None
+
+
+def _turns_in(motion: Motion) -> float:
+    """s in which the quickest joint goes as far as it is from its middle: a radian of a swing."""
+    return min(float(np.std(motion.asked[:, j]) / rms(motion.speed[:, j])) for j in motion.moving)
 
 
 def step(gearbox: JointSeries, shown: JointSeries, arm: Arm) -> tuple[int, Offset] | None:
