@@ -59,6 +59,21 @@ def test_noise_with_outliers_is_noise() -> None:
     assert (result.verdict, result.findings, result.unexplained) == ("no_mismatch", [], [])
 
 
+def test_sensors_that_average_are_late_and_round_no_reversal() -> None:
+    """Six readings of 100 Hz: corners are rounded as by a friction that gives before it slides."""
+    recording = recorded({"backlash": {"half_width": on(3, 2e-3)}}, noise=0.0)
+    position = recording.series["joint_states"].position
+    last = np.lib.stride_tricks.sliding_window_view(np.vstack([position[:1]] * 5 + [position]), 6, axis=0)
+    read = last.mean(axis=2) + NOISE * np.random.default_rng(3).normal(size=position.shape)
+    result = diagnose([of_the_wires(reshaped(recording, "joint_states", position=read))])
+    assert result.verdict == "explained"
+    late, loose = sorted(result.findings, key=lambda finding: finding.effect, reverse=True)
+    assert late.effect == "sensor_delay"
+    assert late.parameters["arm"]["delay"]["value"] == pytest.approx(0.025, abs=1e-3)
+    assert late.parameters["arm"]["share"]["value"] == pytest.approx(1.2, abs=0.05)
+    assert loose.effect == "backlash"
+
+
 def uneven_winch(**wave: float | str) -> dict[str, Any]:
     """What is found of wheels out of centre on a winch whose shaft turns several times."""
     none, one = np.empty(0), np.ones(1)

@@ -32,7 +32,7 @@ def wire(effect: str, dead_band: float = 0.0, **values: Any) -> Array:
     return Chain(Model(arm_of(3, dead_band), {effect: spread}), "wire").run(PHI, STAMP)[0]
 
 
-SHARED = {"factor", "payload", "delay"}
+SHARED = {"factor", "payload", "delay", "share"}
 
 
 def play(u: Array, width: Any) -> Array:
@@ -312,6 +312,18 @@ def test_without_masses_only_the_joint_itself_swings() -> None:
 def test_a_late_sensor_shows_the_past() -> None:
     past = np.column_stack([np.interp(STAMP - 0.013, STAMP, column) for column in THETA.T])
     alike(wire("sensor_delay", delay=0.013), past, 2e-5)
+
+
+def test_a_sensor_that_averages_shows_the_mean_of_what_was_last() -> None:
+    window, ahead = 0.052, THETA[:1] - np.zeros((200, 1))  # where each joint had stood
+    fine = np.arange(-0.2, STAMP[-1] + 2e-4, 1e-4)
+    past = np.concatenate([STAMP[0] - 1.0 + 4e-3 * np.arange(200), STAMP])
+    wanted = []
+    for column in np.vstack([ahead, THETA]).T:
+        area = np.cumsum(np.interp(fine, past, column)) * 1e-4
+        wanted.append((np.interp(STAMP, fine, area) - np.interp(STAMP - window, fine, area)) / window)
+    got = wire("sensor_delay", form="averaged", delay=window / 2, share=1.0)
+    alike(got, np.column_stack(wanted), 5e-5)
 
 
 @pytest.mark.parametrize("form", ["spread", "bouc_wen", "bouc_wen_2", "dahl"])

@@ -37,8 +37,8 @@ VALUES = tuple(
 
 class Curve(Effect):
     """+= curve(x), x being position (ratio phi), speed, time, load, another joint's angle or its speed.
-    Outside the observed range a curve is extrapolated linearly, by half its range (less for wavy curves,
-    three ranges for straight lines); curves over time are held constant.
+    Outside the observed range a curve is extrapolated linearly, by half its range (three ranges for straight
+    lines); the wavier it is the less, and the more it goes back to its mean. Curves over time are held.
     """
 
     signature = "The residual depends on something in a way that no named effect has."
@@ -89,7 +89,7 @@ class Curve(Effect):
             x = np.where(here, abscissae(variable, now), x)
         out = np.zeros(x.shape)
         low, high = self["low"], self["high"]
-        curves(self.onto(x, low, high), low, high, self._reach, self._pieces, out)
+        curves(self.onto(x, low, high), low, high, self._beyond, self._pieces, out)
         return out
 
     @classmethod
@@ -128,15 +128,19 @@ class Curve(Effect):
         return np.asarray(spline(cls.onto(x, np.asarray(low), np.asarray(high))))
 
     @cached_property
-    def _reach(self) -> Array:
-        """(2, columns) of its range that each curve goes on beyond its lower and its upper end."""
+    def _beyond(self) -> Array:
+        """(3, 2, columns) beyond the lower and the upper end of each curve: how far it goes on, of its range;
+        by which share it goes back meanwhile, as waves do; and to where, the mean of that half of the curve.
+        """
         values = np.array([self[p.name] for p in VALUES])
         line = np.linspace(values[0], values[-1], KNOTS)
         straight = np.abs(values - line).max(axis=0) <= STRAIGHT * np.ptp(values, axis=0)
         halves = values[: KNOTS // 2 + 1], values[-(KNOTS // 2 + 1) :]
-        reach = np.where(straight, FAR, REACH * np.array([directness(half) for half in halves]))
+        direct = np.array([directness(half) for half in halves])
         timed = np.array([word in ("time", "") for word in self.words.get("on", ("",) * values.shape[1])])
-        return np.where(timed, 0.0, reach)
+        far = np.where(timed, 0.0, np.where(straight, FAR, REACH * direct))
+        back = np.where(timed | straight, 0.0, (1.0 - direct) ** 2)  # a little noise bends no curve back
+        return np.array([far, back, [values.mean(axis=0)] * 2])
 
     @cached_property
     def _columns(self) -> list[tuple[str, np.ndarray]]:
@@ -170,25 +174,30 @@ def unit_pieces(kind: type[Curve]) -> Array:
 
 
 @compiled
-def curves(x: Array, low: Array, high: Array, reach: Array, pieces: Array, out: Array) -> None:
-    """Cubic splines over ``x`` (n, columns); straight beyond their lower and upper ends for ``reach`` (2,
-    columns) of their range, then held.
+def curves(x: Array, low: Array, high: Array, beyond: Array, pieces: Array, out: Array) -> None:
+    """Cubic splines over ``x`` (n, columns), and what they are ``beyond`` (3, 2, columns) their lower and
+    upper ends: straight for so much of their range, and on the way back by a share towards a value.
     """
     last = pieces.shape[2] - 1
     for j in range(x.shape[1]):
         width = (high[j] - low[j]) / (last + 1)
         if width <= 0.0:
             continue
-        first = low[j] - reach[0, j] * (high[j] - low[j])
-        furthest = high[j] + reach[1, j] * (high[j] - low[j])
+        reach = beyond[0, :, j] * (high[j] - low[j])
         for k in range(x.shape[0]):
-            there = min(max(x[k, j], first), furthest)
+            there = min(max(x[k, j], low[j] - reach[0]), high[j] + reach[1])
             along = min(max(there, low[j]), high[j]) - low[j]
             i = min(int(along / width), last)
             t = along - i * width
             a, b, c, d = pieces[j, 0, i], pieces[j, 1, i], pieces[j, 2, i], pieces[j, 3, i]
-            slope = (3.0 * a * t + 2.0 * b) * t + c
-            out[k, j] = ((a * t + b) * t + c) * t + d + slope * (there - low[j] - along)
+            value = ((a * t + b) * t + c) * t + d
+            off = there - low[j] - along
+            if off != 0.0:
+                end = 1 if off > 0.0 else 0
+                back = beyond[1, end, j] * abs(off) / reach[end]
+                straight = value + ((3.0 * a * t + 2.0 * b) * t + c) * off
+                value = straight + back * (beyond[2, end, j] - straight)
+            out[k, j] = value
 
 
 def directness(values: Array) -> Array:

@@ -11,6 +11,7 @@ from trunk_ros.compiled import Array, compiled
 # Relative difference up to which two steps of time count as one, so that their exponentials are kept.
 SAME = 1e-9
 INSTANT = 1e-9  # s
+BRIEF = 1e-6  # s: over less nothing is averaged
 CRITICAL = 1e-6  # rad that a swing turns in a step: less is as good as critically damped
 
 
@@ -131,6 +132,53 @@ def shifted(x: Array, dt: Array, delay: Array, longest: float, state: Any) -> tu
     delayed(stamps, past, delay, len(stamps) - len(x), out)
     kept = max(int(np.searchsorted(stamps, stamps[-1] - longest)) - 2, 0)
     return out, (stamps[kept:] - stamps[-1], past[kept:])
+
+
+def averaged(
+    x: Array, dt: Array, delay: Array, window: Array, longest: float, state: Any
+) -> tuple[Array, Any]:
+    """The mean of ``x`` (n, columns) over ``window`` (columns,) s about the time that is ``delay`` (columns,)
+    s ago, none of them further back than ``longest``. After its last sample, and before its first one, it
+    stands there. State: as of `shifted`.
+    """
+    late, (stamps, past) = shifted(x, dt, delay, longest, state)
+    before = np.zeros(0) if state is None else state[0]
+    whole = x if state is None else np.concatenate([state[1], x])
+    steps = np.cumsum(dt) + (before[-1] if len(before) else 0.0)
+    out = np.empty_like(x)
+    means(np.concatenate([before, steps]), np.ascontiguousarray(whole), delay, window, len(before), out)
+    return np.where(window < BRIEF, late, out), (stamps, past)
+
+
+@compiled
+def means(stamp: Array, x: Array, delay: Array, window: Array, skip: int, out: Array) -> None:
+    """The same from row ``skip`` of ``x`` (m, columns) on, which goes straight from row to row."""
+    rows, columns = x.shape
+    for j in range(columns):
+        width = max(window[j], BRIEF)
+        first, last, areas = 0, 0, np.zeros(2)  # the rows at or before the window's ends, areas until there
+        for k in range(rows):
+            begin = stamp[k] - delay[j] - width / 2.0
+            end = min(begin + width, stamp[k])
+            while first < k and stamp[first + 1] <= begin:
+                areas[0] += (x[first, j] + x[first + 1, j]) / 2.0 * (stamp[first + 1] - stamp[first])
+                first += 1
+            while last < k and stamp[last + 1] <= end:
+                areas[1] += (x[last, j] + x[last + 1, j]) / 2.0 * (stamp[last + 1] - stamp[last])
+                last += 1
+            if k >= skip:
+                area = areas[1] + part(stamp, x, j, last, end) - areas[0] - part(stamp, x, j, first, begin)
+                out[k - skip, j] = (area + (begin + width - max(end, begin)) * x[k, j]) / width
+
+
+@compiled
+def part(stamp: Array, x: Array, j: int, row: int, until: float) -> float:
+    """The area below a column of ``x`` (m, columns) from a row on; before the first it stands."""
+    gone = until - stamp[row]
+    if row + 1 >= len(stamp) or gone <= 0.0:
+        return float(gone * x[row, j])
+    slope = (x[row + 1, j] - x[row, j]) / (stamp[row + 1] - stamp[row])
+    return float(gone * (x[row, j] + slope * gone / 2.0))
 
 
 @compiled

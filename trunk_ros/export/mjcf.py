@@ -145,7 +145,9 @@ class MjcfWriter(MjcfFile):
         return self._late(self._actuators(), "servo_delay", values)
 
     def sensor_delay(self, values: Values) -> Values:
-        """The delay of the joints' sensors, where all of them have one."""
+        """The delay of the joints' sensors, where all of them have one; a mean they have not."""
+        if values.get("form") == "averaged":
+            return values
         kind = self.mujoco.mjtSensor.mjSENS_JOINTPOS
         found = {s.objname: s for s in self.spec.sensors if s.type == kind and s.objname in self.joints}
         ready = list(found.values()) if set(found) == set(self.joints) else []

@@ -18,7 +18,7 @@ from trunk_ros.export.reality.past import Past
 from trunk_ros.export.reality.scene import Scene
 from trunk_ros.stage import Memory, Order
 
-DELAYS = {("sensor_delay", ""): "delay", ("viscous_lag", "shift"): "time_constant"}
+DELAYS = {("sensor_delay", "constant"): "delay", ("viscous_lag", "shift"): "time_constant"}
 
 
 class Late:
