@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from test.diagnosis.arms import reshaped
 from trunk_ros.diagnosis import diagnose
+from trunk_ros.diagnosis.data.align import wire_span
 from trunk_ros.diagnosis.data.sensing import clocks_put_right
+from trunk_ros.diagnosis.first_look import first_look
+from trunk_ros.diagnosis.wire import WireStage
 from trunk_ros.effects import effect
 from trunk_ros.effects.effect import Motion
 from trunk_ros.model import load_model
@@ -41,6 +46,19 @@ def test_a_wire_that_a_measured_load_stretches_ahead_of_the_motor_is_no_early_cl
     assert not clocks_put_right(made, model).observed
     untold = reshaped(made, "joint_states", effort=None)
     assert [one.kind for one in clocks_put_right(untold, model).observed] == ["early"]
+
+
+def test_what_a_wide_loop_shows_of_a_joint_has_its_load_at_the_same_times() -> None:
+    """It had the whole recording's: a search of a wide loop under a measured load ended in an error."""
+    made = reshaped(loaded(), "joint_states", stamp=np.arange(2000) / 100.0 + 0.003)
+    model = load_model("direct").for_joints(("jaw",))
+    context = replace(first_look(WireStage([wire_span(made, model)], model)), wide=frozenset({0}))
+    now = context.shown(0)
+    rows = int(context.views[0].span.valid[:, 0].sum())
+    for each in ("stamp", "dt", "gearbox", "speed", "load", "angles", "wires", "speeds"):
+        assert len(getattr(now, each)) == rows < len(context.views[0].span.grid), each
+    whole = context.now(0, 0)
+    np.testing.assert_array_equal(now.load, whole.load[np.isin(whole.stamp, now.stamp)])
 
 
 @pytest.mark.parametrize("name", BENDING)

@@ -292,7 +292,7 @@ class Context:
             return now
         valid = span.valid[:, column]
         came = span.target[valid, column : column + 1] / now.ratio
-        return replace(now, gearbox=came, stamp=span.stamp[valid])
+        return replace(at(now, span.rows[valid]), gearbox=came)
 
     def shows(self, tells: Callable[[Now], bool], column: int) -> bool:
         """Whether the motion of a column in one of the spans tells something."""
