@@ -18,7 +18,9 @@ from trunk_ros.diagnosis.report import write
 from trunk_ros.effects.wire.play import SharpPlay
 from trunk_ros.errors import RecordingError
 from trunk_ros.model import Model, load_model
-from trunk_ros.recording.recording import Recording
+from trunk_ros.recording.quality import of_one_stamp
+from trunk_ros.recording.recording import Counts, Recording
+from trunk_ros.recording.time_range import part_of
 
 PER_RADIAN = 180 / np.pi
 TRUNK, DIRECT = load_model("trunk"), load_model("direct")
@@ -54,6 +56,24 @@ def test_what_direct_cannot_see_is_asked(good: Recording, keys: tuple[str, ...])
     assert doubtful(good, DIRECT) == []
     wide = replace(TRUNK.arm, lower=np.full(5, -200.0), upper=np.full(5, 200.0))
     assert doubtful(scaled(good, "joint_states", 30.0), Model(wide)) == []
+
+
+def test_a_recording_of_two_seconds_is_said_to_show_little(good: Recording) -> None:
+    said = "2 s show little: effects look alike, and what depends on speed, posture or time is hardly seen"
+    assert any(
+        note.startswith(said) for note in quality_of_recording(part_of(good, "3", "5"), DIRECT)["notes"]
+    )
+    assert not any("show little" in note for note in quality_of_recording(good, DIRECT)["notes"])
+
+
+def test_topics_of_one_stamp_are_told_as_that(good: Recording) -> None:
+    once = {key: replace(each, stamp=each.stamp[:1], position=each.position[:1], velocity=None)
+            for key, each in good.series.items()}  # fmt: skip
+    alike = replace(good, series=once, counts=dict.fromkeys(once, Counts(messages=3000, duplicates=2999)))
+    assert of_one_stamp(alike).startswith(
+        "all messages of trunk/setpoints, trunk/gearbox_states, joint_states"
+    )
+    assert of_one_stamp(good) == ""
 
 
 def test_a_stray_reading_is_no_speed(good: Recording) -> None:

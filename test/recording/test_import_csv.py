@@ -57,6 +57,20 @@ def test_of_rows_with_the_same_stamp_the_first_counts_and_the_others_are_counted
     assert "2 rows repeated a stamp: the first of each counts" in recording.notes
 
 
+def test_a_time_that_never_changes_is_refused_with_its_value(tmp_path):
+    """All rows but one were left out, and no joint moved."""
+    with pytest.raises(RecordingError, match="the time is 0 s in all 3 rows: is it the right column"):
+        read_csv(table(tmp_path, "t,x\n0,1\n0,2\n0,3\n"), mapping())
+
+
+def test_a_joint_without_a_finite_value_is_refused_and_nothing_else_is_said(tmp_path, recwarn):
+    rows = "".join(f"{k / 100},{k % 7}\n" for k in range(200))
+    divided = mapping(joint_states=position({"expr": "x/0"}))
+    with pytest.raises(RecordingError, match="joint_states has no finite position"):
+        read_csv(table(tmp_path, f"t,x\n{rows}"), divided)
+    assert not recwarn.list
+
+
 def test_rows_out_of_order_are_sorted_and_rows_without_time_left_out(tmp_path):
     recording = read_csv(table(tmp_path, "t,x\n2,3\n,9\n0,1\n1,2\n"), mapping())
     assert recording.require("joint_states").position.ravel().tolist() == [1, 2, 3]

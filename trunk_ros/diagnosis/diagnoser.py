@@ -45,6 +45,7 @@ from trunk_ros.effects import effect
 from trunk_ros.errors import RecordingError
 from trunk_ros.model import Model
 from trunk_ros.own_time import drawn_from
+from trunk_ros.recording.quality import of_one_stamp
 from trunk_ros.recording.recording import Recording
 from trunk_ros.recording.topics import TIP_TOPIC
 from trunk_ros.start import SETTLE
@@ -153,7 +154,10 @@ class Diagnoser:
         if not seen and not self.result.unexplained:
             still = f"no joint moves for {LEAST} samples or more: "
             still += "record a motion that moves the joints, over a longer time"
-            why = next(filter(None, map(hidden_by_gaps, self.recordings)), still)
+            why = next(
+                filter(None, (say(r) for r in self.recordings for say in (of_one_stamp, hidden_by_gaps))),
+                still,
+            )
             raise RecordingError(f"{', '.join(r.name for r in self.recordings)}: {why}")
 
     def servo(self) -> None:

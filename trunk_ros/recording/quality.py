@@ -7,7 +7,7 @@ import numpy as np
 from trunk_ros.recording.child_process import apart
 from trunk_ros.recording.recording import Counts, Floats, JointSeries, Recording
 from trunk_ros.recording.signal.encoder import MEDIAN_TO_STD
-from trunk_ros.recording.topics import TIP
+from trunk_ros.recording.topics import TIP, TOPICS
 
 _GAP = 2.5  # periods
 _EVEN = 0.3  # of the period: with more spread than this, nothing was expected at a certain time
@@ -75,6 +75,19 @@ def quality_of_series(series: JointSeries, counts: Counts | None = None) -> Qual
     lost = sum(part.lost or 0 for part in parts)
     found = {"samples": len(series.stamp), "expected": len(series.stamp) + lost, "lost": lost}
     return replace(worst, gaps=sum(part.gaps for part in parts), **found)
+
+
+def of_one_stamp(recording: Recording) -> str:
+    """What is said of topics whose messages all have one stamp; "" where there are none."""
+    seen = {
+        TOPICS[key]: recording.counts.get(key)
+        for key, each in recording.series.items()
+        if len(each.stamp) == 1
+    }
+    alike = [topic for topic, counts in seen.items() if counts is not None and counts.duplicates]
+    if not alike:
+        return ""
+    return f"all messages of {', '.join(alike)} have one stamp: stamp each with the time of its readings"
 
 
 def quality(recording: Recording) -> dict[str, Quality]:

@@ -7,6 +7,8 @@ from dataclasses import asdict
 from difflib import get_close_matches
 from typing import Any
 
+import numpy as np
+
 from trunk_ros.diagnosis.data.load_cells import cell_remarks
 from trunk_ros.diagnosis.data.mix_ups import MixUp, doubtful
 from trunk_ros.diagnosis.data.torque import torque_remarks
@@ -14,6 +16,8 @@ from trunk_ros.model import Model
 from trunk_ros.recording.quality import quality
 from trunk_ros.recording.recording import Recording
 from trunk_ros.recording.topics import COMPARED, SOURCES, TOPICS
+
+FEW_SECONDS = 5.0  # s in which an arm does little of what it does
 
 
 def left_out(recording: Recording, model: Model) -> list[str]:
@@ -54,6 +58,17 @@ def strangers(recording: Recording, model: Model) -> list[str]:
     return [said + (same if absent else "")]
 
 
+def brevity(recording: Recording) -> list[str]:
+    """A remark on a recording, or the part of it that was asked for, that is too short to show much."""
+    took = max((float(np.ptp(each.stamp)) for each in recording.series.values()), default=np.inf)
+    if took >= FEW_SECONDS:
+        return []
+    return [
+        f"{took:.2g} s show little: effects look alike, and what depends on speed, posture or time is hardly "
+        "seen. Record a minute or two"
+    ]
+
+
 def quality_of_recording(
     recording: Recording, model: Model, mixed: Sequence[MixUp] = (), found: Model | None = None
 ) -> dict[str, Any]:
@@ -64,6 +79,7 @@ def quality_of_recording(
     remarks = [one.statement for one in recording.observed]
     remarks += [f"{one.statement}." for one in mixed if not one.certain]
     remarks += cell_remarks(recording, model)
+    remarks += brevity(recording)
     torque = torque_remarks(recording, model, found)
     odd = [*left_out(recording, model), *doubtful(recording, model, mixed)]
     notes = [*recording.notes, *odd, *torque, *remarks]

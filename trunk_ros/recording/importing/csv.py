@@ -71,6 +71,11 @@ def _times(path: Path, mapping: Mapping, table: dict[str, Floats]) -> tuple[Whol
         raise RecordingError(f"{path}: the time has no finite value")
     remarks = [f"{count - len(known)} rows have no time and are left out"] if len(known) < count else []
     seconds = seconds[known]
+    if len(seconds) > 1 and seconds.min() == seconds.max():
+        raise RecordingError(
+            f"{path}: the time is {seconds[0]:g} s in all {len(seconds)} rows: is it the right column? "
+            "Where a table has no time, give `rate_hz`"
+        )
     if seconds.min() <= -_LATEST_NS / 1e9:
         raise RecordingError(f"{path}: the time begins at {seconds.min():.3g} s: is its unit right?")
     if seconds.min() < 0:

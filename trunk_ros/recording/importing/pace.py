@@ -51,8 +51,7 @@ def _is_smooth(position: Floats) -> bool:
 def _speed(step: Floats, position: Floats) -> float:
     """rad/s that the fastest joint usually has while it moves; nothing of single jumps."""
     speeds = np.abs(np.diff(position, axis=0)) / step[:, None]
-    moving = np.where(speeds > 0.0, speeds, np.nan)
-    return float(np.nanmax(np.nanmedian(moving, axis=0), initial=0.0)) if np.isfinite(moving).any() else 0.0
+    return max((float(np.median(each[each > 0.0])) for each in speeds.T if (each > 0.0).any()), default=0.0)
 
 
 def _spoken(seconds: float) -> str:
