@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
 import numpy as np
 import pytest
 
 from test.diagnosis.arms import on, recorded, reshaped
 from trunk_ros.diagnosis import diagnose
+from trunk_ros.diagnosis.data.mix_ups.pair import Kind
 from trunk_ros.diagnosis.verdict.answer import SCHEMA
 from trunk_ros.diagnosis.verdict.schema import diagnosis_schema
 
@@ -34,6 +35,11 @@ def errors(content: dict[str, Any]) -> list[str]:
 def test_the_schema_is_a_schema_of_what_is_written() -> None:
     jsonschema.Draft202012Validator.check_schema(diagnosis_schema())
     assert diagnosis_schema()["$id"] == SCHEMA
+
+
+def test_the_schema_knows_each_kind_of_mix_up() -> None:
+    quality = diagnosis_schema()["properties"]["quality"]["additionalProperties"]["properties"]
+    assert set(quality["mix_ups"]["items"]["properties"]["kind"]["enum"]) == set(get_args(Kind))
 
 
 def test_a_diagnosis_is_as_the_schema_says(written: dict[str, Any]) -> None:

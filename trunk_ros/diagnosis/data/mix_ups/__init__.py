@@ -1,5 +1,6 @@
 """Mix-ups that no physics explains: degrees for radians, encoder counts, swapped joints, motors for joints,
-turned signs, clocks that are seconds apart, joints that a hand guides. They are reported, never repaired:
+turned signs, clocks that are seconds apart, joints that a hand guides, readings that are stuck or given
+twice. They are reported, never repaired:
 what is mixed up is not diagnosed.
 """
 

@@ -9,9 +9,11 @@ import numpy as np
 
 from trunk_ros.diagnosis.data.align import common_joints
 from trunk_ros.diagnosis.data.mix_ups.clock import clock_offset
+from trunk_ros.diagnosis.data.mix_ups.copied import copied
 from trunk_ros.diagnosis.data.mix_ups.guided import guided
 from trunk_ros.diagnosis.data.mix_ups.order import swapped, turned_signs
 from trunk_ros.diagnosis.data.mix_ups.pair import MixUp, pair_of
+from trunk_ros.diagnosis.data.mix_ups.stuck import stuck
 from trunk_ros.diagnosis.data.mix_ups.units import counts, degrees, exchanged
 from trunk_ros.diagnosis.data.mix_ups.unled import unled
 from trunk_ros.diagnosis.data.span import Span
@@ -20,6 +22,7 @@ from trunk_ros.errors import RecordingError
 from trunk_ros.model import Model
 from trunk_ros.recording.recording import JointSeries, Recording
 from trunk_ros.recording.topics import COMPARED, TOPICS
+from trunk_ros.resistance import load_cells, tells
 
 
 def mix_ups(recording: Recording, model: Model) -> list[MixUp]:
@@ -31,22 +34,23 @@ def mix_ups(recording: Recording, model: Model) -> list[MixUp]:
     out: list[MixUp] = []
     for stage in ("wire", "servo"):
         if all(key in recording.series for key in COMPARED[stage]):
-            out += _of_stage(recording, model, stage)
+            known = {joint for one in out if one.kind == "stuck" for joint in one.joints}
+            out += _of_stage(recording, model, stage, known)
     return out
 
 
 def without_mix_ups(recording: Recording, found: list[MixUp]) -> Recording:
-    """The recording without what is mixed up for certain: setpoints that do not fit the motors are left out,
-    and become NaN where motors do not follow them; joint readings that do not fit become NaN, and the tip is
-    left out with them, and the setpoints where a hand guides joints: their motors follow the hand.
+    """The recording without what is mixed up for certain: setpoints
+    that do not fit the motors are left out, and become NaN where motors do not follow them; joint readings
+    that do not fit become NaN, and the tip is left out with them, and the setpoints where a hand guides
+    joints: their motors follow the hand.
     """
     series, tip = dict(recording.series), recording.tip
     for one in (one for one in found if one.certain):
-        if one.kind == "unled":
-            series["setpoints"] = _unread(series["setpoints"], one.joints)
-            continue
         if one.stage == "servo":
-            series.pop("setpoints", None)
+            asked = series.pop("setpoints", None)
+            if asked is not None and one.kind in ("unled", "stuck"):
+                series["setpoints"] = _unread(asked, one.joints)
             continue
         if one.kind == "guided":
             series.pop("setpoints", None)
@@ -80,7 +84,8 @@ def is_astray(one: MixUp) -> bool:
     return one.certain and one.stage == "wire" and one.kind in ("sign", "order")
 
 
-def _of_stage(recording: Recording, model: Model, stage: str) -> list[MixUp]:
+def _of_stage(recording: Recording, model: Model, stage: str, known: set[str]) -> list[MixUp]:
+    """What is mixed up in a stage. Servos may stand, unless their readings are ``known`` to be stuck."""
     source, target = (recording.series[key] for key in COMPARED[stage])
     try:
         joints = common_joints(recording, model, source, target)
@@ -90,14 +95,27 @@ def _of_stage(recording: Recording, model: Model, stage: str) -> list[MixUp]:
     if not joints:
         return []
     source, target = source.select(joints), target.select(joints)
+    looked = joints if stage == "wire" else tuple(joint for joint in joints if joint in known)
+    pair = pair_of(recording, model, stage, source.select(looked), target.select(looked)) if looked else None
+    still = [] if pair is None else stuck(pair, tells(load_cells(looked, target)))
+    joints = tuple(j for j in joints if all(j not in one.joints for one in still))
+    if not joints:
+        return still
+    return still + _of_moving(recording, model, stage, source.select(joints), target.select(joints))
+
+
+def _of_moving(
+    recording: Recording, model: Model, stage: str, source: JointSeries, target: JointSeries
+) -> list[MixUp]:
+    """What is mixed up between two topics of the same joints, none of which is stuck."""
     off = clock_offset(source.stamp, source.position, target.stamp, target.position)
     if off:
-        return [_clock(stage, joints, off)]
+        return [_clock(stage, source.joints, off)]
     pair = pair_of(recording, model, stage, source, target)
     found: list[MixUp] = []
     if pair is None:
         return found
-    for look in (counts, swapped, degrees, exchanged, turned_signs):
+    for look in (copied, counts, swapped, degrees, exchanged, turned_signs):
         known = {joint for one in found for joint in one.joints}
         found += [one for one in look(pair) if not known & set(one.joints)]
     if found:
