@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from trunk_ros.diagnosis.data.mix_ups import MixUp, mix_ups, without_mix_ups
+from trunk_ros.diagnosis.data.mix_ups import MixUp, mix_ups, without_mix_ups, without_torque
 from trunk_ros.diagnosis.data.names import refuse_misnamed
 from trunk_ros.diagnosis.data.sensing.clocks import clocks_put_right
 from trunk_ros.diagnosis.data.sensing.readings import readings_put_right
@@ -38,7 +38,8 @@ def as_diagnosed(recording: Recording, model: Model) -> Recording:
     """
     bare = replace(model, effects={})
     right = without_faults(readings_put_right(by_joint(recording, bare.arm), bare))
-    mixed = [one for one in mix_ups(right, bare) if one.certain]
+    found = mix_ups(right, bare)
+    right, mixed = without_torque(right, found), [one for one in found if one.certain]
     if mixed:
         joints = ", ".join(dict.fromkeys(joint for one in mixed for joint in one.joints))
         note = f"{joints}: mixed up, and taken as recorded, as are all stamps; diagnose says what it is"

@@ -44,11 +44,11 @@ def torque_remarks(recording: Recording, model: Model, found: Model | None = Non
 
 def _use(arm: Arm, measured: MeasuredLoad) -> str:
     joints, told = arm.joints, np.isfinite(measured.friction)
-    friction = [f"{j} {f:.3g}" for j, f in zip(joints, measured.friction, strict=True) if np.isfinite(f)]
+    friction = [f"{j} {f:.3g}" for j, f in zip(joints, measured.friction, strict=True) if f > 0.0]
     silent = [j for j, known in zip(joints, told, strict=True) if not known]
     said = f"load from the motors' torque, less friction [N m at the shaft]: {', '.join(friction) or 'none'}"
     instead = "computed weight" if arm.has_load else "all of the torque"
-    return said + (f"; {instead} on {', '.join(silent)}: no motion both ways" if silent else "")
+    return said + (f"; {instead} on {', '.join(silent)}: no motion both ways, or no torque" if silent else "")
 
 
 def _against_weight(arm: Arm, gearbox: JointSeries, measured: MeasuredLoad) -> list[str]:

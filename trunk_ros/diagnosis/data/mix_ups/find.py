@@ -11,6 +11,7 @@ from trunk_ros.diagnosis.data.align import common_joints
 from trunk_ros.diagnosis.data.mix_ups.clock import clock_offset
 from trunk_ros.diagnosis.data.mix_ups.copied import copied
 from trunk_ros.diagnosis.data.mix_ups.guided import guided
+from trunk_ros.diagnosis.data.mix_ups.no_torque import no_torque, without_torque
 from trunk_ros.diagnosis.data.mix_ups.order import swapped, turned_signs
 from trunk_ros.diagnosis.data.mix_ups.pair import MixUp, pair_of
 from trunk_ros.diagnosis.data.mix_ups.stuck import stuck
@@ -36,15 +37,16 @@ def mix_ups(recording: Recording, model: Model) -> list[MixUp]:
         if all(key in recording.series for key in COMPARED[stage]):
             known = {joint for one in out if one.kind == "stuck" for joint in one.joints}
             out += _of_stage(recording, model, stage, known)
-    return out
+    return out + no_torque(recording, model)
 
 
 def without_mix_ups(recording: Recording, found: list[MixUp]) -> Recording:
-    """The recording without what is mixed up for certain: setpoints
+    """The recording without effort that is a magnitude, and without what is mixed up for certain: setpoints
     that do not fit the motors are left out, and become NaN where motors do not follow them; joint readings
     that do not fit become NaN, and the tip is left out with them, and the setpoints where a hand guides
     joints: their motors follow the hand.
     """
+    recording = without_torque(recording, found)
     series, tip = dict(recording.series), recording.tip
     for one in (one for one in found if one.certain):
         if one.stage == "servo":

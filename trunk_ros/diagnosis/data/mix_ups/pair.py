@@ -16,7 +16,7 @@ from trunk_ros.recording.topics import COMPARED, TOPICS
 
 FOLLOWS = 1.0 - SLIGHT  # correlation of a joint with what turns it, wide loops and long lags included
 
-Kind = Literal["unit", "counts", "sign", "order", "clock", "guided", "unled", "stuck", "copy"]
+Kind = Literal["unit", "counts", "sign", "order", "clock", "guided", "unled", "stuck", "copy", "magnitude"]
 
 
 @dataclass(frozen=True)
