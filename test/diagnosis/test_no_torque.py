@@ -7,9 +7,11 @@ import pytest
 
 from test.diagnosis.arms import reshaped
 from trunk_ros.diagnosis.data.mix_ups import mix_ups, without_mix_ups
+from trunk_ros.diagnosis.data.mix_ups.pair import MixUp
 from trunk_ros.diagnosis.data.torque import torque_remarks
 from trunk_ros.model import load_model
 from trunk_ros.recording.recording import JointSeries, Recording
+from trunk_ros.resistance import on_motors, resistance
 
 DIRECT = load_model("direct")
 FRICTION = 0.2
@@ -50,6 +52,18 @@ def test_a_magnitude_is_told_and_counts_neither_as_a_torque_nor_as_a_load() -> N
     mixed = reshaped(made, "gearbox_states", effort=current)
     assert "Give it its sign" in mix_ups(mixed, DIRECT)[0].statement
     assert without_mix_ups(mixed, mix_ups(mixed, DIRECT)).series["gearbox_states"].effort is None
+
+
+def test_the_other_motors_of_an_arm_keep_their_torque() -> None:
+    made = pulled()
+    told_of = MixUp("magnitude", "servo", ("a",), "effort of a has no sign", certain=False)
+    left = without_mix_ups(made, [told_of]).series["gearbox_states"]
+    arm = DIRECT.for_joints(("a", "b")).loaded_arm()
+    for told in (resistance, on_motors):
+        known = told(arm, left, left.stamp, left.position)
+        assert known is not None
+        assert not known.moment[:, 0].any()
+        assert np.ptp(known.moment[:, 1]) > 1.0
 
 
 def test_a_tension_that_only_ever_pulls_is_no_magnitude() -> None:
