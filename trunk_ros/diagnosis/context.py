@@ -12,7 +12,7 @@ import numpy as np
 from trunk_ros.arm import Arm
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.data.louder import CONSTANT, Louder
-from trunk_ros.diagnosis.data.noise import Noise, off_by_chance, strides_within
+from trunk_ros.diagnosis.data.noise import Noise, known_to, strides_within
 from trunk_ros.diagnosis.data.noises import Rest, noises
 from trunk_ros.diagnosis.data.seen import at, now_of
 from trunk_ros.diagnosis.data.span import Span
@@ -29,7 +29,6 @@ from trunk_ros.effects.moments import NOTHING, Payload
 from trunk_ros.recording.signal.resample import SLOW
 
 LEAST = 50  # valid samples without which a joint cannot be judged
-OFTEN = 0.02  # s between samples that show what lies between them
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,6 +38,7 @@ class Context:
     stage: Stage
     views: tuple[View, ...]
     noise: tuple[Noise, ...]
+    resolution: tuple[float, ...] = ()  # std of gearbox encoders' steps at the joints, by the ratios found
     wide: frozenset[int] = frozenset()
     """Columns that always move alike and show a wide loop: it hides what else varies with speed or time."""
     once: frozenset[int] = frozenset()
@@ -117,7 +117,7 @@ class Context:
             rests.append(Rest(self.evened(hypothesis, c), masks, strides, step, self.count(c) >= LEAST))
         found = noises(rests, [view.span.neighbours for view in self.views] if self.step >= SLOW else ())
         told = tuple(self.wanders.get(c, noise) for c, noise in enumerate(self.stage.noises(found)))
-        return self.in_noise(told)
+        return replace(self.in_noise(told), resolution=self.stage.resolutions(hypothesis))
 
     def in_noise(self, noise: Sequence[Noise]) -> Self:
         """With another noise, in units of which misfits then are."""
@@ -155,15 +155,15 @@ class Context:
         return self._counts[column]
 
     def rest(self, column: int) -> float:
-        """Share of the noise power above which a residual is more than noise: what the stage says, else by
-        how well the noise is known, and by an encoder's steps: a joint at rest shows one of them.
-        """
+        """Share of the noise power above which a residual is no noise; a joint at rest shows one step."""
         if self.stage.least_rest is not None:
             return self.stage.least_rest
-        white = self.noise[column].remembers == 0.0 and self.step < OFTEN
-        steps = np.hypot(self.stage.own_steps(column), self.stage.resolution(column))
-        known = max(0.1 if white else 0.6, off_by_chance(self.count(column)))
-        return known + 2.0 * float(steps / self.noise[column].std) ** 2
+        noise = self.noise[column]
+        return known_to(noise, self.count(column), self.step) + 2.0 * (self.steps(column) / noise.std) ** 2
+
+    def steps(self, column: int) -> float:
+        """Standard deviation of the steps of a joint's and its gearbox's encoders."""
+        return float(np.hypot(self.stage.own_steps(column), self.resolution[column]))
 
     def least_noise(self, column: int) -> float:
         """Squared unit-noise residual of a column that is noise for sure: where a recording stops to measure,

@@ -239,7 +239,7 @@ class Diagnoser:
                     "rmse_before": e.before,
                     "rmse_after": e.after,
                     "noise_floor": e.noise_floor,
-                    "resolution": float(np.hypot(stage.own_steps(c), stage.resolution(c))),
+                    "resolution": context.steps(c),
                     "rmse_before_std": e.before_std,
                     "rmse_after_std": e.after_std,
                 }

@@ -63,7 +63,7 @@ class ServoStage(Stage):
         own = super().noises(found)
         return [Noise(float(np.hypot(n.std, filled))) for n, filled in zip(own, self.filled, strict=True)]
 
-    def resolution(self, column: int) -> float:
+    def resolution(self, hypothesis: Hypothesis, column: int) -> float:
         return float(self.steps[column])
 
     def predict(self, sight: Sight, index: int, hypothesis: Hypothesis, column: int) -> Array:

@@ -25,9 +25,10 @@ class Sparse(Context):
         """With the noise that a hypothesis leaves in all readings."""
         assert self.denser is not None
         denser = replace(self.denser, work=self.work)
-        found = noise_of_every(denser.seen_with(hypothesis).weighed(hypothesis).noise, self.every)
+        seen = denser.seen_with(hypothesis).weighed(hypothesis)
+        found = noise_of_every(seen.noise, self.every)
         told = tuple(self.wanders.get(c, noise) for c, noise in enumerate(found))
-        return self.in_noise(told)
+        return replace(self.in_noise(told), resolution=seen.resolution)
 
 
 def noise_of_every(noise: Sequence[Noise], every: int) -> tuple[Noise, ...]:

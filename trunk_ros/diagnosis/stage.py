@@ -23,6 +23,7 @@ from trunk_ros.diagnosis.levels import HALF
 from trunk_ros.diagnosis.machine import CELLS
 from trunk_ros.diagnosis.side_by_side import Seen, alike
 from trunk_ros.diagnosis.work import Work
+from trunk_ros.effects import effect
 from trunk_ros.effects.effect import Now, borne
 from trunk_ros.effects.moments import NOTHING, Payload
 from trunk_ros.guards import SAME
@@ -143,12 +144,24 @@ class Stage(ABC):
         """Standard deviation of the steps of a joint's own encoder, or of a coarse sensor."""
         return max(self.steps[column], self.coarse[column])
 
-    def resolution(self, column: int) -> float:
+    def ratio(self, hypothesis: Hypothesis, column: int) -> float:
+        """Joint angle per gearbox angle, as a hypothesis has it."""
+        ratio = float(self.arm.ratio[column])
+        for term in hypothesis.on(column):
+            kind = effect(term.effect)
+            ratio = kind.changed(ratio, term.own[column]) if kind.changes == "ratio" else ratio
+        return ratio
+
+    def resolution(self, hypothesis: Hypothesis, column: int) -> float:
         """Standard deviation of the gearbox encoder's steps on the target's side [rad], as its readings have
         them: an arm may be described with other ones, or with those of another arm.
         """
         step = max(view.span.counts[column] for view in self.views if view.span.counts is not None)
-        return float(step / np.sqrt(12.0) * abs(self.arm.ratio[column]))
+        return float(step / np.sqrt(12.0) * abs(self.ratio(hypothesis, column)))
+
+    def resolutions(self, hypothesis: Hypothesis) -> tuple[float, ...]:
+        """The same of each column."""
+        return tuple(self.resolution(hypothesis, c) for c in range(len(self.joints)))
 
     @abstractmethod
     def predict(self, sight: Sight, index: int, hypothesis: Hypothesis, column: int) -> Array:

@@ -20,6 +20,7 @@ BINOMIAL = np.array([1.0, -4.0, 6.0, -4.0, 1.0])
 TRIMMED = round(sqrt(1.0 - 6.0 * exp(-4.5) / sqrt(2.0 * pi) / erf(3.0 / sqrt(2.0))), 5)
 """Standard deviation of a normal variable within three of its standard deviations."""
 REMEMBERED = 0.16  # s that noise is compared over
+OFTEN = 0.02  # s between samples that show what lies between them
 FLOOR = 1e-9  # a floor for recordings without any noise
 WHITE = 0.06  # correlations below this cannot be told from none
 REDDEST = 0.985  # correlation
@@ -180,6 +181,12 @@ def off_by_chance(count: int) -> float:
     """How far white noise's power by fourth differences of so many samples may be off, as a share of it."""
     shared = np.correlate(BINOMIAL, BINOMIAL, "full") / (BINOMIAL @ BINOMIAL)
     return SURE * float(np.sqrt(2.0 * (shared @ shared) / max(count, 1)))
+
+
+def known_to(noise: Noise, count: int, step: float) -> float:
+    """Share of its power to which noise is known by so many samples, ``step`` s apart."""
+    white = noise.remembers == 0.0 and step < OFTEN
+    return max(0.1 if white else 0.6, off_by_chance(count))
 
 
 def noise_of(residuals: list[Array], masks: list[np.ndarray], longest: int = STRIDES[-1]) -> Noise:

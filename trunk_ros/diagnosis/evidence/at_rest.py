@@ -39,7 +39,7 @@ def _as_read(context: Context) -> Context:
         seen = [view.columns[c] for view in context.views]
         most = roughness_of([s.target for s in seen], [s.valid for s in seen])
         if CLEARLY * most < context.noise[c].roughness:
-            told[c] = Noise(float(np.hypot(most, context.stage.resolution(c))))
+            told[c] = Noise(float(np.hypot(most, context.resolution[c])))
     noise = [told.get(c, n) for c, n in enumerate(context.noise)]
     return replace(context, louder=context.louder.but_on(told)).in_noise(noise) if told else context
 
@@ -55,8 +55,7 @@ def _at_rest(context: Context, hypothesis: Hypothesis, column: int) -> Noise | N
     as_white = replace(noise, white=np.sqrt(power), std=float(np.sqrt(noise.std**2 - noise.white**2 + power)))
     still = many * (np.log(power) + 1.0) + sum(np.log(len(r) * noise.std**2 / power + 1.0) for r in seen)
     wandering = min(sum(_unlikely(one, rest) for rest in seen) for one in (noise, as_white))
-    steps = np.hypot(context.stage.own_steps(column), context.stage.resolution(column))
-    std = float(np.hypot(np.sqrt(power), steps))
+    std = float(np.hypot(np.sqrt(power), context.steps(column)))
     return Noise(std) if wandering - still > CERTAIN**2 and std < noise.std else None
 
 
@@ -68,7 +67,7 @@ def _unlikely(noise: Noise, rest: Array) -> float:
 
 def _rests(context: Context, hypothesis: Hypothesis, column: int) -> list[Array]:
     """What a hypothesis leaves of a column while its motor stands, (k,) each."""
-    out, ratio = [], float(context.arm.ratio[column])
+    out, ratio = [], context.stage.ratio(hypothesis, column)
     for off, view in zip(context.evened(hypothesis, column), context.views, strict=True):
         least = max(PART * float(context.arm.dead_band[column]), PART * context.noise[column].std)
         for first, last in standing(view.span.gearbox[:, column], view.span.rows, ratio, least):

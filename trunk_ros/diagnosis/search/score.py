@@ -81,7 +81,7 @@ def needed(fit: Fit, columns: Iterable[int]) -> float:
 
 def _least_need(context: Context, column: int) -> float:
     stage, noise = context.stage, context.noise[column]
-    steps, own = stage.resolution(column) / noise.std, stage.steps[column] / noise.std
+    steps, own = context.resolution[column] / noise.std, stage.steps[column] / noise.std
     least = context.count(column) * max(RELEVANT, STANDING * steps**2, PART * own**2)
     formulas = FORMULAS * context.formed_misfit.get(column, 0.0)
     return max(SIGNIFICANT * chance(context, column), least, formulas)
