@@ -35,14 +35,28 @@ def test_a_loop_is_as_wide_of_a_drive_whose_ratio_nobody_knew() -> None:
 
 
 def test_a_swing_at_one_pace_tells_nothing_of_speed_and_one_at_two_paces_does() -> None:
-    assert not speed_tells(SWING, SPEED)
+    assert not speed_tells([SWING], [SPEED])
     faster = np.where(T < 10.0, T, 3.0 * (T - 10.0) + 10.0)
-    assert speed_tells(np.sin(faster), np.gradient(np.sin(faster), T))
+    assert speed_tells([np.sin(faster)], [np.gradient(np.sin(faster), T)])
+
+
+def test_nor_do_swings_of_several_sizes_at_one_pace_and_those_at_two_do_in_several_recordings_as_well() -> None:
+    """Where a joint turned tells a loop as much as its speed does."""
+    larger = 0.2 + 1.5 * np.sin(T + 1.0)
+    assert not speed_tells([SWING, larger], [SPEED, 1.5 * np.cos(T + 1.0)])
+    for size in (1.0, 1.5):
+        assert speed_tells([SWING, size * np.sin(3.0 * T)], [SPEED, 3.0 * size * np.cos(3.0 * T)])
+
+
+def test_a_recording_in_which_a_joint_stands_is_no_small_motion() -> None:
+    trembles = 1e-3 * np.sin(40.0 * T)
+    few = trembles[:400], np.gradient(trembles, T)[:400]
+    assert not speed_tells([SWING, few[0]], [SPEED, few[1]])
 
 
 def test_moves_with_rests_tell_something_of_speed() -> None:
     rested = np.sin(np.clip(T, 0.0, 10.0))
-    assert speed_tells(rested, np.gradient(rested, T))
+    assert speed_tells([rested], [np.gradient(rested, T)])
 
 
 def test_a_swing_repeats_itself_once_it_has_seen_both_ends() -> None:

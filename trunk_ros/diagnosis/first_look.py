@@ -61,15 +61,18 @@ def _loop(context: Context, column: int) -> tuple[bool, bool]:
     """Whether a column shows a wide loop and always moves alike, and whether it goes through none of it
     twice.
     """
-    position, speed, rest, shown = _motion(context, column)
+    each = _motions(context, column)
+    position, speed, rest, shown = map(np.concatenate, each)
     if not is_wide(position, speed, rest, shown):
         return False, False
-    alike = context.step < SLOW and not speed_tells(position, speed)
+    alike = context.step < SLOW and not speed_tells(*each[:2])
     return alike, not repeats(position, speed)
 
 
-def _motion(context: Context, column: int) -> tuple[Array, Array, Array, Array]:
-    """Gearbox angle, speed, what no effect explains and what was measured (rows,) where a column counts."""
+def _motions(context: Context, column: int) -> list[tuple[Array, ...]]:
+    """Gearbox angle, speed, what no effect explains and what was measured, (n,) of each recording where a
+    column counts.
+    """
     out = []
     for index, view in enumerate(context.views):
         now, valid = context.now(index, column), view.span.valid[:, column]
@@ -77,5 +80,4 @@ def _motion(context: Context, column: int) -> tuple[Array, Array, Array, Array]:
         residual = context.residual(index, Hypothesis(), column)[valid]
         shown = view.span.target[valid, column]
         out.append((now.gearbox[rows, 0], now.speed[rows, 0], residual, shown))
-    position, speed, rest, told = (np.concatenate(parts) for parts in zip(*out, strict=True))
-    return position, speed, rest, told
+    return list(zip(*out, strict=True))

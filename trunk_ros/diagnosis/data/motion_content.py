@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from trunk_ros.compiled import Array
@@ -30,12 +32,15 @@ def is_wide(position: Array, speed: Array, residual: Array, shown: Array) -> boo
     return bool(both.size and np.sqrt(np.mean(both**2)) > PART * moved)
 
 
-def speed_tells(position: Array, speed: Array) -> bool:
-    """Whether a joint (n,) passes the same places in the same direction at different speeds, or rests.
+def speed_tells(positions: Sequence[Array], speeds: Sequence[Array]) -> bool:
+    """Whether a joint, (n,) in each recording, passes the same places in the same direction at different
+    speeds, or rests.
 
     A motion to and fro that always looks the same has one speed for each place and direction. Where the
-    residual is a wide loop as well, any lag is a form of that loop.
+    residual is a wide loop as well, any lag is a form of that loop. So it is of the same motion in another
+    size: it has another speed at each place, but it also turned elsewhere before, and a loop goes by that.
     """
+    position, speed = _at_their_size(positions, speeds)
     power = float(np.sum(speed**2))
     if power == 0.0:
         return False
@@ -43,6 +48,15 @@ def speed_tells(position: Array, speed: Array) -> bool:
     varies = float(np.sum((speed - _means(cell, speed)[cell]) ** 2)) / power
     rests = float(np.mean(np.abs(speed) < STILL * np.abs(speed).max()))
     return varies > VARIES or rests > MOVED  # more than a swing takes to turn
+
+
+def _at_their_size(positions: Sequence[Array], speeds: Sequence[Array]) -> tuple[Array, Array]:
+    """Motions (n,) of recordings, joined: each about its own middle and in units of how far it goes."""
+    ways = np.array([np.ptp(position) if len(position) else 0.0 for position in positions])
+    ways[ways <= STILL * ways.max()] = max(float(ways.max()), TINY)  # what trembles there is no motion
+    middles = [(p.max() + p.min()) / 2.0 if len(p) else 0.0 for p in positions]
+    about = [(p - m) / way for p, m, way in zip(positions, middles, ways, strict=True)]
+    return np.concatenate(about), np.concatenate([s / way for s, way in zip(speeds, ways, strict=True)])
 
 
 def repeats(position: Array, speed: Array) -> bool:
