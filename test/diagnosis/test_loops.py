@@ -40,7 +40,7 @@ def test_a_swing_at_one_pace_tells_nothing_of_speed_and_one_at_two_paces_does() 
     assert speed_tells([np.sin(faster)], [np.gradient(np.sin(faster), T)])
 
 
-def test_nor_do_swings_of_several_sizes_at_one_pace_and_those_at_two_do_in_several_recordings_as_well() -> None:
+def test_nor_do_swings_of_several_sizes_at_one_pace_and_those_at_two_do_in_several_recordings() -> None:
     """Where a joint turned tells a loop as much as its speed does."""
     larger = 0.2 + 1.5 * np.sin(T + 1.0)
     assert not speed_tells([SWING, larger], [SPEED, 1.5 * np.cos(T + 1.0)])
