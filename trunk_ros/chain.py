@@ -31,6 +31,7 @@ from trunk_ros.stage import (
     drift,
     friction,
     run_servo,
+    servo_core,
     through,
     tip_pass,
     wire_pass,
@@ -277,9 +278,8 @@ class Chain:
             now = self._look(stamp, at_joints(phi), last, state, given)
             angles, hangs = self._hanging(phi, stamp, hung, given)
             now.see(phi, angles)
-            better, after = run_servo(self.arm, self.effects, now, setpoints, stamps, start)
-            moves = now.asked or now.has_told("speed")
-            settled = not moves or passes.agree(better, phi)
+            better, after = run_servo(servo_core(self.arm, self.effects, now), now, setpoints, stamps, start)
+            settled = not (now.asked or now.has_told("speed")) or passes.agree(better, phi)
             phi = better
         out, behind = phi, self.order.after + self.order.sensor
         if behind or now.swing is not None:

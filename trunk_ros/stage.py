@@ -146,21 +146,12 @@ def back(y: Array, effects: Sequence[Effect], now: Now, old: Memory, new: Memory
     return y
 
 
-def run_servo(
-    arm: Arm,
-    effects: Sequence[Effect],
-    now: Now,
-    setpoints: Array,
-    stamps: Array,
-    start: Array,
-    anew: Iterable[int] = (),
-) -> tuple[Array, Array]:
-    """Gearbox angle (n, columns) and the loop's state (4, columns) after it; ``setpoints`` may begin with
-    past rows. After each of the rows ``anew`` it goes on from where the gearbox is there.
-    """
-    n, columns = len(now.stamp), len(now.ratio)
-    numbers = (_seen(getattr(arm, name), now)[None] for name in SERVO_OF_EACH)
-    kp, tau_v, v_max, delay, feedforward = numbers
+def servo_core(arm: Arm, effects: Sequence[Effect], now: Now, numbers: Array | None = None) -> Core:
+    """The numbers of an arm's loops with effects on them; ``numbers`` (5, columns): of other servos."""
+    columns = len(now.ratio)
+    if numbers is None:
+        numbers = np.stack([_seen(getattr(arm, name), now) for name in SERVO_OF_EACH])
+    kp, tau_v, v_max, delay, feedforward = numbers[:, None]
     none = np.zeros((1, columns))
     core = Core(
         kp=kp,
@@ -180,6 +171,17 @@ def run_servo(
     for e in effects:
         if e.acts_at == Effect.CORE:
             _set(e, core, now)
+    return core
+
+
+def run_servo(
+    core: Core, now: Now, setpoints: Array, stamps: Array, start: Array, anew: Iterable[int] = ()
+) -> tuple[Array, Array]:
+    """Gearbox angle (n, columns) of loops with these numbers and their state (4, columns) after it;
+    ``setpoints`` may begin with past rows. After each of the rows ``anew`` it goes on from where the gearbox
+    is there.
+    """
+    n, columns = len(now.stamp), len(now.ratio)
     out, state = np.empty((n, columns)), start.copy()
     skip, fed = len(stamps) - n, fed_forward(core, setpoints, stamps)
     edges = [0, *(row + 1 for row in sorted({*anew}) if row + 1 < n), n]
@@ -238,7 +240,8 @@ def _step(core: Core, setpoints: Array, stamps: Array, skip: int, state: Array, 
     reached = np.where(core.rub.any(axis=0), np.maximum(core.reach, np.abs(core.rub).max(axis=0)), 0.0)
     steady = all(len(one) == 1 for one in (*numbers[:4], core.torque, core.rub, core.cogging))
     cogging = np.stack(np.broadcast_arrays(core.cogging, *core.teeth))
-    if out.shape[1] < SEVERAL or not steady:
+    least = SEVERAL if core.rub.any() or core.cogging.any() else 2 * SEVERAL
+    if out.shape[1] < least or not steady:
         kp, tau_v, v_max, delay, pull, load, torque, rub = map(np.ascontiguousarray, numbers)  # compiled once
         servo_loop(
             setpoints, stamps, kp, tau_v, v_max, delay, pull, load, torque, rub, reached, core.dead_zone,

@@ -317,6 +317,16 @@ def test_a_joint_far_off_begins_again_from_the_numbers_of_the_others() -> None:
     assert _like_others(loop, wrong, [], left) == (pytest.approx(wrong), left)
 
 
+def test_servos_that_are_tried_at_once_leave_what_each_leaves_by_itself() -> None:
+    context = first_look(
+        ServoStage([servo_span(recorded_servos(OWN, seconds=5.0), (model := _stated()))], model)
+    )
+    some = [np.array([kp, 0.02, 5.0, late, share]) for kp, late, share in ((12, 0, 0), (300, 0.01, 0.5))]
+    loop = Loop.of(context, 1)
+    for one, both in zip(map(loop.residual, some), loop.residuals(some), strict=True):
+        assert np.array_equal(one, both)
+
+
 def test_a_servo_that_gives_way_to_its_load_is_no_slow_one_and_is_simulated_under_the_recorded_torque() -> (
     None
 ):

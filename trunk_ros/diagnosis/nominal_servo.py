@@ -8,7 +8,7 @@ import hashlib
 from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import product
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 
@@ -24,7 +24,17 @@ from trunk_ros.diagnosis.levels import CLEARLY, LITTLE, SEVERAL, THREEFOLD
 from trunk_ros.diagnosis.search.formed import but_for_a_lag
 from trunk_ros.diagnosis.search.score import SIGNIFICANT
 from trunk_ros.diagnosis.servo import ServoStage
-from trunk_ros.diagnosis.servo_loop import STEPS, Loop, fastest_of, numbers_of
+from trunk_ros.diagnosis.servo_loop import (
+    STEPS,
+    TOP_SPEED,
+    Loop,
+    cost_of,
+    fastest_of,
+    is_explained,
+    later,
+    numbers_of,
+    with_top,
+)
 from trunk_ros.effects.servo.loop import STEP
 from trunk_ros.model import Model
 from trunk_ros.recording.recording import Recording
@@ -32,7 +42,6 @@ from trunk_ros.recording.recording import Recording
 STARTS = (5.0, 20.0, 80.0, 320.0), (0.1, 0.5), (0.0, 0.02, 0.08)
 """kp [1/s], kp tau_v, delay [s]."""
 TOPS = (1.0, THREEFOLD)  # v_max over the highest speed seen: one that is reached, and one that is left open
-TOP_SPEED = np.array(SERVO_OF_EACH) == "v_max"
 METHODS: tuple[Literal["dogbox", "trf"], ...] = ("dogbox", "trf")  # one goes on where the other stands
 VALLEYS = STEP * np.array([-1.0, -0.5, 0.5, 1.0])  # s: a loop that is stepped is best at some delays
 FED = (0.3, 1.0)  # shares of the setpoint's speed that are tried first
@@ -81,11 +90,32 @@ def with_its_servo(model: Model, recordings: Sequence[Recording], known: Servos 
     """
     if known is not None and known.numbers:
         return _identified(known.on(model), recordings, known.numbers)[0]
-    held, left = _identified(model, recordings)
+    held, left, loops = _identified(model, recordings)
     if model.setpoints == SAMPLED:
         return _fed(held, recordings)
-    sampled, less = _identified(replace(model, setpoints=SAMPLED), recordings)
+    if np.sqrt(CLEARLY) * _as_samples(held, recordings, loops) > left:
+        return held  # other starts would not make up for that
+    sampled, less, _ = _identified(replace(model, setpoints=SAMPLED), recordings)
     return _fed(sampled, recordings) if CLEARLY * less < left else held
+
+
+def _as_samples(model: Model, recordings: Sequence[Recording], loops: dict[int, Loop]) -> float:
+    """What the loops of a model leave, rms [rad], by joint, with setpoints that are samples of what moves on
+    between them: fitted from what they are with setpoints that are held, also as they are late then.
+    """
+    numbers, squares = _numbers_of(model.arm), 0.0
+    period = _period(recordings)
+    for context, column, joint in _moved(replace(model, setpoints=SAMPLED), recordings):
+        loop = replace(Loop.of(context, column), pulled=loops[joint].pulled)
+        starts = [loop.at(numbers[:, joint] + [0.0, 0.0, 0.0, late, 0.0])[:4] for late in (0.0, period / 2.0)]
+        cost = min(2.0 * cost_of(loop.fitted(x, rough=True)) for x in starts)
+        squares += cost * context.noise[column].std ** 2 / context.count(column)
+    return float(np.sqrt(squares))
+
+
+def _period(recordings: Sequence[Recording]) -> float:
+    """The usual time between two setpoints [s], where that is longest."""
+    return max(float(np.median(np.diff(r.require("setpoints").stamp))) for r in recordings)
 
 
 def with_its_setpoints(model: Model, recordings: Sequence[Recording]) -> Model:
@@ -108,14 +138,13 @@ def _leads(context: Context, column: int, joint: int, model: Model, recordings: 
     """
     loop, told = Loop.of(context, column), _numbers_of(model.arm)[:, joint]
     rest = but_for_a_lag(context, column, loop.residual(told))
-    if _is_explained(loop, float(rest @ rest)):
+    if is_explained(loop, float(rest @ rest)):
         return False
     at, tau_v = loop.at(told), float(told[1])
     base = loop.residual(numbers_of(at, tau_v))
     gain, late = (loop.residual(numbers_of(at + np.diag(STEPS)[k], tau_v)) - base for k in (0, 3))
     steps = np.linalg.lstsq(np.column_stack([gain, late]), -base, rcond=None)[0]
-    period = max(float(np.median(np.diff(r.require("setpoints").stamp))) for r in recordings)
-    return bool(steps[1] * STEPS[3] < -period / 4.0)
+    return bool(steps[1] * STEPS[3] < -_period(recordings) / 4.0)
 
 
 def _left(model: Model, recordings: Sequence[Recording]) -> float:
@@ -127,7 +156,7 @@ def _left(model: Model, recordings: Sequence[Recording]) -> float:
         loop, told = Loop.of(context, column), numbers[:, joint]
         rest = but_for_a_lag(context, column, loop.residual(told))
         cost = float(rest @ rest)
-        if not _is_explained(loop, cost):
+        if not is_explained(loop, cost):
             tau_v, share = float(told[1]), None if told[-1] else -1
             for top, method in product((told[TOP_SPEED][0], fastest_of(context, column)), METHODS):
                 start = loop.at(np.where(TOP_SPEED, top, told))[:share]
@@ -138,10 +167,12 @@ def _left(model: Model, recordings: Sequence[Recording]) -> float:
 
 def _identified(
     model: Model, recordings: Sequence[Recording], known: Collection[str] = ()
-) -> tuple[Model, float]:
-    """The model with its servos, but for those of ``known`` joints, and what these leave, rms [rad]."""
+) -> tuple[Model, float, dict[int, Loop]]:
+    """The model with its servos, but for those of ``known`` joints, what these leave, rms [rad], and the
+    loops by joint.
+    """
     if set(servo_joints(recordings[0], model)) <= set(known):
-        return model, 0.0
+        return model, 0.0, {}
     numbers, squares, found = _numbers_of(model.arm), 0.0, []
     for context, column, joint in _moved(model, recordings):
         if context.joints[column] not in known:
@@ -153,20 +184,20 @@ def _identified(
         others = [alone[:, other] for other in sorted(told)]
         numbers[:, joint], cost = _like_others(loop, numbers[:, joint], others, cost)
         squares += cost * loop.context.noise[loop.column].std ** 2 / loop.context.count(loop.column)
-    return _with(model, numbers), float(np.sqrt(squares))
+    return _with(model, numbers), float(np.sqrt(squares)), {joint: loop for loop, joint, _ in found}
 
 
 def _like_others(loop: Loop, own: Array, others: list[Array], cost: float) -> tuple[Array, float]:
     """(5,) numbers of the servo of a joint that its ``own`` starts led to, or those of ``others`` where these
     leave less than the ``cost``; and what is left. Drives of one arm are much alike.
     """
-    if _is_explained(loop, cost):
+    if is_explained(loop, cost):
         return own, cost
     top = float(own[TOP_SPEED][0])
     starts = [loop.at(np.where(TOP_SPEED, top, numbers))[:4] for numbers in others]
-    starts.sort(key=lambda x: loop.left(numbers_of(x)))
-    best = min((numbers_of(loop.fitted(x).x) for x in starts[:SEVERAL]), key=loop.left, default=own)
-    best = _with_top(loop, best, np.maximum(own, TOPS[-1] * fastest_of(loop.context, loop.column)))
+    near = loop.nearest(starts, SEVERAL)
+    best = min((numbers_of(loop.fitted(x).x) for x in near), key=loop.left, default=own)
+    best = with_top(loop, best, np.maximum(own, TOPS[-1] * fastest_of(loop.context, loop.column)))
     left = loop.left(best)
     return (best, left) if left < cost - SIGNIFICANT else (own, cost)
 
@@ -204,7 +235,7 @@ def _loop(context: Context, column: int, told: Array) -> tuple[Loop, Array, floa
     """
     loop = Loop.of(context, column)
     numbers, cost = _fitted(loop, told)
-    pulled = [] if _is_explained(loop, cost) else Loop.pulled_at(context, column)
+    pulled = [] if is_explained(loop, cost) else Loop.pulled_at(context, column)
     return _clearest([(loop, numbers, cost), *((other, *_fitted(other, told)) for other in pulled)])
 
 
@@ -216,11 +247,6 @@ def _clearest(loops: Sequence[tuple[Loop, Array, float]]) -> tuple[Loop, Array, 
     for other in loops[1:]:
         best, least = (other if CLEARLY**2 * other[-1] < least else best), min(least, other[-1])
     return best
-
-
-def _is_explained(loop: Loop, cost: float) -> bool:
-    """Whether what is left is hardly more than noise."""
-    return cost <= 2.0 * loop.context.count(loop.column)
 
 
 def _fitted(whole: Loop, told: Array) -> tuple[Array, float]:
@@ -236,15 +262,16 @@ def _fitted(whole: Loop, told: Array) -> tuple[Array, float]:
         starts = [
             np.array([*np.log([kp, swings, fastest * top]), late]) for kp, swings, late in product(*STARTS)
         ]
-        starts.sort(key=lambda x: part.left(numbers_of(x)))
-        near = min((part.fitted(x, method) for x in starts[:SEVERAL] for method in METHODS), key=_cost)
-        fits.append(near if part is whole else whole.fitted(near.x))
-    at, nearest = np.inf, min(fits, key=_cost)
+        begun = part.nearest(starts, SEVERAL)
+        near = min((part.fitted(x, method, rough=True) for x in begun for method in METHODS), key=cost_of)
+        fits.append(near if part is whole else whole.fitted(near.x, rough=True))
+    at, nearest = np.inf, min(fits, key=cost_of)
     while nearest.cost < (1.0 - LITTLE) * at:
         at = nearest.cost
-        beside = [whole.fitted(_later(nearest.x, by, whole.low[:4], whole.high[:4])) for by in VALLEYS]
-        nearest = min([nearest, *beside], key=_cost)
-    best = numbers_of(nearest.x)
+        there = (later(nearest.x, by, whole.low[:4], whole.high[:4]) for by in VALLEYS)
+        beside = [whole.fitted(x, rough=True) for x in there]
+        nearest = min([nearest, *beside], key=cost_of)
+    best = numbers_of(min(nearest, whole.fitted(nearest.x), key=cost_of).x)
     cost = whole.left(best)
     open_top = np.maximum(told, TOPS[-1] * fastest)
     shown = (np.where(TOP_SPEED, open_top, numbers) for numbers in (told, best))
@@ -260,31 +287,14 @@ def _told_speed(context: Context, column: int, found: Array) -> Array:
         np.array([np.log(kp), np.log(swings), fastest, 0.0, share])
         for kp, swings, share in product(*STARTS[:2], FED)
     ]
-    starts = [np.clip(x, loop.low, loop.high) for x in starts]
-    starts.sort(key=lambda x: loop.left(numbers_of(x)))
-    best = min((numbers_of(loop.fitted(x).x) for x in starts[:SEVERAL]), key=loop.left)
+    near = loop.nearest([np.clip(x, loop.low, loop.high) for x in starts], SEVERAL)
+    best = min((numbers_of(loop.fitted(x).x) for x in near), key=loop.left)
     if loop.left(best) > loop.left(found) - SIGNIFICANT:
         return found
-    return _with_top(loop, best, found)
+    return with_top(loop, best, found)
 
 
 def _at(context: Context, column: int, found: Array) -> Loop:
     """The loop of numbers that were ``found`` (5,), pulled by the load where that explains clearly more."""
     loops = [Loop.of(context, column), *Loop.pulled_at(context, column)]
     return _clearest([(loop, found, loop.left(found)) for loop in loops])[0]
-
-
-def _with_top(loop: Loop, best: Array, other: Array) -> Array:
-    """(5,) the best numbers, with the top speed of others where that leaves no more for sure."""
-    there = np.where(TOP_SPEED, other, best)
-    return there if loop.left(there) - loop.left(best) <= SIGNIFICANT else best
-
-
-def _cost(fit: Any) -> float:
-    return float(fit.cost)
-
-
-def _later(x: Array, by: float, low: Array, high: Array) -> Array:
-    """What is fitted of a loop that is ``by`` s later, and as much quicker."""
-    lag = np.exp(-x[0]) - by
-    return np.asarray(np.clip([-np.log(lag) if lag > 0.0 else x[0], *x[1:3], x[3] + by], low, high))

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from copy import copy
 from dataclasses import replace
 
 import numpy as np
 
-from trunk_ros.chain import Chain, run_servo
+from trunk_ros.chain import Chain
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.data.noise import Noise
 from trunk_ros.diagnosis.data.seen import joined, now_of
@@ -22,6 +23,7 @@ from trunk_ros.effects.servo.loop import STEP, fresh
 from trunk_ros.look import slope_of
 from trunk_ros.model import Model
 from trunk_ros.passes import Passes
+from trunk_ros.stage import run_servo, servo_core
 
 LEFT_BY_LOOP = "what the loop that was found first leaves"
 
@@ -48,6 +50,24 @@ class ServoStage(Stage):
         super().__init__(spans, model, units)
         self.filled = np.zeros(len(self.joints)) if filled is None else filled
         self.whole = LEFT_BY_LOOP if loop_found else self.whole
+        self.tried: Array | None = None
+
+    def trying(self, numbers: Array) -> ServoStage:
+        """The same recordings, each prediction that is asked for at once of another servo, with ``numbers``
+        (5, predictions) as in SERVO_OF_EACH.
+        """
+        other = copy(self)
+        other.tried = numbers
+        return other
+
+    def predict_each(self, sight: Sight, index: int, pairs: Sequence[Seen]) -> list[Array]:
+        if self.tried is None:
+            return super().predict_each(sight, index, pairs)
+        out: dict[int, Array] = {}
+        for same in alike(pairs, self.joint_by_joint):
+            seen = self.trying(self.tried[:, same])._predict_alike(sight, index, [pairs[k] for k in same])
+            out |= zip(same, seen, strict=True)
+        return [out[k] for k in range(len(pairs))]
 
     def _view(self, span: Span) -> View:
         """The joints are where their wires take them, not just where the gearboxes are."""
@@ -82,10 +102,11 @@ class ServoStage(Stage):
     def _run(self, span: Span, now: Now, pairs: Sequence[Seen]) -> tuple[Array, list[Effect]]:
         """Gearbox angles (m, pairs) that hypotheses which are alike lead to, and their blocks."""
         blocks = bind_together(pairs)
+        core = servo_core(self.arm, blocks, now, self.tried)
         source = np.ascontiguousarray(span.source[:, [column for _, column in pairs]])
         start = fresh(now.gearbox[0], now.speed[0] / now.ratio)
         anew = np.searchsorted(now.stamp, span.anew)
-        return run_servo(self.arm, blocks, now, source, now.stamp, start, anew)[0], blocks
+        return run_servo(core, now, source, now.stamp, start, anew)[0], blocks
 
     def free(self, sight: Sight, hypothesis: Hypothesis) -> tuple[View, ...]:
         if not any(hypothesis.on(column) for column in range(len(self.joints))):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Literal
 
@@ -14,13 +15,17 @@ from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.hypothesis import Hypothesis
 from trunk_ros.diagnosis.levels import HALF, OUTLIERS
 from trunk_ros.diagnosis.search.candidates import Candidate, extended, usable
+from trunk_ros.diagnosis.search.fit import GAINED
+from trunk_ros.diagnosis.search.score import SIGNIFICANT
 from trunk_ros.diagnosis.search.starts import Starts
+from trunk_ros.diagnosis.servo import ServoStage
 from trunk_ros.guards import ROUNDED, TINY
 from trunk_ros.parameter import leading
 
 RECORDED = "effort"  # what effects need that go by a recorded torque
 STIFFEST = 2000.0  # 1/s: what answers faster is where it was asked to be, for all that can be seen
 SWINGS = 1.0 / (2.0 * HALF) ** 2  # kp tau_v of a loop with half of critical damping: no servo swings longer
+TOP_SPEED = np.array(SERVO_OF_EACH) == "v_max"
 STEPS = np.array([0.01, 0.01, 0.01, 1e-3, 0.01])  # of logarithms, s, and a share
 
 
@@ -85,29 +90,60 @@ class Loop:
 
     def residual(self, numbers: Array) -> Array:
         """(n,) whitened: what a servo with ``numbers`` (5,) leaves, pulled by as much as explains most."""
-        own = dict(zip(SERVO_OF_EACH, numbers.tolist(), strict=True))
-        here = replace(self.context, stage=self.context.stage.of(replace(self.context.arm, **own)))
-        rest = here.whitened(self.context.known, self.column)
-        if not self.pulled:
+        return self.residuals([numbers])[0]
+
+    def residuals(self, some: Sequence[Array]) -> list[Array]:
+        """The same of several, which are stepped side by side."""
+        context, stage = self.context, self.context.stage
+        assert isinstance(stage, ServoStage)
+        known, out = [context.known, *self.pulled], []
+        most = max(context.together // len(known), 1)
+        for k in range(0, len(some), most):
+            numbers = np.repeat(np.column_stack(some[k : k + most]), len(known), axis=1)
+            here = replace(context, stage=stage.trying(numbers))
+            seen = here.whitened_each([(one, self.column) for _ in some[k : k + most] for one in known])
+            out += [self._pulled_back(*seen[j : j + len(known)]) for j in range(0, len(seen), len(known))]
+        return out
+
+    def _pulled_back(self, rest: Array, *pulled: Array) -> Array:
+        if not pulled:
             return rest
-        moved = np.column_stack([here.whitened(pulled, self.column) - rest for pulled in self.pulled])
+        moved = np.column_stack([one - rest for one in pulled])
         return np.asarray(rest - moved @ np.linalg.lstsq(moved, rest, rcond=ROUNDED)[0])
 
+    def nearest(self, starts: Iterable[Array], many: int) -> list[Array]:
+        """Those of starts, (4,) or (5,), that leave least."""
+        some = list(starts)
+        left = [float(rest @ rest) for rest in self.residuals([numbers_of(x) for x in some])]
+        return [some[k] for k in np.argsort(left, kind="stable")[:many]]
+
     def fitted(
-        self, start: Array, method: Literal["dogbox", "trf"] = "trf", tau_v: float | None = None
+        self,
+        start: Array,
+        method: Literal["dogbox", "trf"] = "trf",
+        tau_v: float | None = None,
+        rough: bool = False,
     ) -> Any:
-        """From a start, (4,) or (5,); with a velocity loop of that ``tau_v`` where it is given."""
+        """From a start, (4,) or (5,); with a velocity loop of that ``tau_v`` where it is given. ``rough``: as
+        far as the search fits, of one among many.
+        """
         usual, low, high = STEPS[: len(start)], self.low[: len(start)], self.high[: len(start)]
+        enough, seen = 1e-4 * GAINED if rough else 1e-8, dict[bytes, Array]()
 
         def residual(x: Array) -> Array:
-            return self.residual(numbers_of(x, tau_v))
+            if x.tobytes() not in seen:
+                seen.clear()
+                seen[x.tobytes()] = self.residual(numbers_of(x, tau_v))
+            return seen[x.tobytes()]
 
         def slopes(x: Array) -> Array:
-            base = residual(x)
-            steps = np.where(x + usual < high, usual, -usual)
-            return np.column_stack([(residual(x + h) - base) / h.sum() for h in np.diag(steps)])
+            base, steps = residual(x), np.diag(np.where(x + usual < high, usual, -usual))
+            beside = self.residuals([numbers_of(x + h, tau_v) for h in steps])
+            return np.column_stack([(there - base) / h.sum() for there, h in zip(beside, steps, strict=True)])
 
-        return least_squares(residual, start, slopes, (low, high), method, x_scale="jac", max_nfev=60)
+        return least_squares(
+            residual, start, slopes, (low, high), method, enough, enough, x_scale="jac", max_nfev=60
+        )
 
 
 def numbers_of(x: Array, tau_v: float | None = None) -> Array:
@@ -117,3 +153,24 @@ def numbers_of(x: Array, tau_v: float | None = None) -> Array:
     kp, swings, fastest = np.exp(x[:3])
     share = float(x[4]) if len(x) > 4 else 0.0
     return np.array([kp, swings / kp if tau_v is None else tau_v, fastest, x[3], share])
+
+
+def is_explained(loop: Loop, cost: float) -> bool:
+    """Whether what is left is hardly more than noise."""
+    return cost <= 2.0 * loop.context.count(loop.column)
+
+
+def with_top(loop: Loop, best: Array, other: Array) -> Array:
+    """(5,) the best numbers, with the top speed of others where that leaves no more for sure."""
+    there = np.where(TOP_SPEED, other, best)
+    return there if loop.left(there) - loop.left(best) <= SIGNIFICANT else best
+
+
+def cost_of(fit: Any) -> float:
+    return float(fit.cost)
+
+
+def later(x: Array, by: float, low: Array, high: Array) -> Array:
+    """What is fitted of a loop that is ``by`` s later, and as much quicker."""
+    lag = np.exp(-x[0]) - by
+    return np.asarray(np.clip([-np.log(lag) if lag > 0.0 else x[0], *x[1:3], x[3] + by], low, high))

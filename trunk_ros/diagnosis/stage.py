@@ -11,7 +11,6 @@ from typing import Protocol
 
 import numpy as np
 
-from trunk_ros.arm import Arm
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.data.motion_content import STANDS, comes_back
 from trunk_ros.diagnosis.data.noise import Noise
@@ -86,12 +85,6 @@ class Stage(ABC):
     def unit(self, column: int) -> str:
         """The SI unit of a joint's position."""
         return self.units.get(self.joints[column], "rad")
-
-    def of(self, arm: Arm) -> Stage:
-        """The same recordings of an arm with other servos."""
-        other = copy(self)
-        other.arm = arm
-        return other
 
     def _load(self, spans: Sequence[Span]) -> None:
         self.views = tuple(self._view(span) for span in spans)

@@ -11,7 +11,7 @@ STEP = 0.002  # s
 CLOSE = 0.25  # of the time that a position loop takes: longer steps would make a stiff one swing
 EDGE = 0.01  # of a dead zone, over which the loop's answer rises: with a jump no two runs would agree
 LONGEST = 30.0  # s without a new setpoint, after which a servo stands
-SEVERAL = 4  # columns from which on the processor steps them side by side: none has to wait for its own past
+SEVERAL = 4  # columns from which on it pays to step them side by side; twice as many of such as nothing rubs
 BLOCK = 8  # steps of which setpoints are looked up at once
 
 
