@@ -148,10 +148,15 @@ def test_physics_that_clocks_are_told_from_has_the_models_dead_band_however_narr
         assert np.abs(left).max() < 1e-2 * wide[joint]
 
 
-def test_the_pace_of_clocks_that_differ_is_estimated_with_the_physics(clean: Run, model: Model) -> None:
+@pytest.mark.parametrize("delay", [0.0, 8e-3])
+def test_the_pace_of_clocks_that_differ_is_estimated_with_the_physics(
+    clean: Run, model: Model, delay: float
+) -> None:
+    """A lag that has no name as yet is no pace."""
     told = replace(_right(_spoiled(clean, "skew", 100.0), model)[0].observed[0], std=20.0)
     off = _recording(clean)
     late = without_skew(off.series["joint_states"], Skew(-15e-6, 0.0))
+    late = replace(late, stamp=late.stamp + delay)
     found = paced(
         _seen(replace(off, observed=(told,), series={**off.series, "joint_states": late}), model), NONE
     )

@@ -12,6 +12,7 @@ import numpy as np
 from trunk_ros.arm_model import ArmModel
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.context import Context
+from trunk_ros.diagnosis.data.noise import FLOOR
 from trunk_ros.diagnosis.data.sensing.pairs import told
 from trunk_ros.diagnosis.data.sensing.physics import gains
 from trunk_ros.diagnosis.data.sensing.skew import LARGEST, unseen_skew
@@ -19,6 +20,7 @@ from trunk_ros.diagnosis.data.span import Span
 from trunk_ros.diagnosis.hypothesis import Hypothesis
 from trunk_ros.diagnosis.levels import HARDLY, SCATTER, SURE
 from trunk_ros.effects.curve import abscissa
+from trunk_ros.guards import SAME
 from trunk_ros.recording.observed import Observed
 from trunk_ros.recording.recording import Recording
 from trunk_ros.recording.topics import TOPICS
@@ -90,24 +92,35 @@ def skew_told(context: Context, hypothesis: Hypothesis, index: int) -> Iterator[
 
 def _likeliest(context: Context, hypothesis: Hypothesis, index: int) -> tuple[Array, Array]:
     """(2,) s/s and s: least squares over all joints, held by the standard deviations of what was found; and
-    the std of each.
+    the std of each. What a joint is late by for sure beside a hypothesis, such as a lag that has no name as
+    yet, is no pace.
     """
     span = context.views[index].span
     unsure, pace = np.array(span.unsure), np.array(span.pace)
     if not unsure.any():
         return pace, unsure
-    along, square = np.zeros(2), np.eye(2)
-    for column in context.columns:
-        rest, shapes = context.whitened(hypothesis, column), []
-        for late in (_late(context, hypothesis, index, column) * unsure).T:  # in standard deviations
-            each = [np.zeros(len(view.span.rows)) for view in context.views]
-            each[index] = late
-            shapes.append(context.whiten_change(each, column))
-        shape = np.column_stack(shapes)
-        square += shape.T @ shape
-        along += shape.T @ (shape @ (pace / np.where(unsure > 0.0, unsure, 1.0)) - rest)
+    columns = context.columns
+    square, along = np.diag([1.0, 1.0, *np.full(len(columns), SAME)]), np.zeros(2 + len(columns))
+    for k, column in enumerate(columns, start=2):
+        rest, late = context.whitened(hypothesis, column), _late(context, hypothesis, index, column)
+        grows, ahead = (_whitened(context, index, each, column) for each in late.T)
+        own = ahead / max(float(np.linalg.norm(ahead)), FLOOR)
+        shape = np.column_stack([grows * unsure[0], ahead * unsure[1], own])  # in standard deviations
+        at = [0, 1, k]
+        square[np.ix_(at, at)] += shape.T @ shape
+        along[at] += shape.T @ (shape[:, :2] @ (pace / np.where(unsure > 0.0, unsure, 1.0)) - rest)
     known = np.linalg.inv(square)
-    return unsure * (known @ along), unsure * np.sqrt(known.diagonal())
+    sure = np.abs(known @ along) > SURE * np.sqrt(known.diagonal())
+    keep = np.flatnonzero([True, True, *sure[2:]])
+    known = np.linalg.inv(square[np.ix_(keep, keep)])
+    return unsure * (known @ along[keep])[:2], unsure * np.sqrt(known.diagonal()[:2])
+
+
+def _whitened(context: Context, index: int, change: Array, column: int) -> Array:
+    """A change (n,) of a column in one recording, as unit noise over all of them."""
+    each = [np.zeros(len(view.span.rows)) for view in context.views]
+    each[index] = change
+    return context.whiten_change(each, column)
 
 
 def _late(context: Context, hypothesis: Hypothesis, index: int, column: int) -> Array:
