@@ -12,8 +12,10 @@ from trunk_ros.diagnosis.data.sensing.hum import Hum
 from trunk_ros.diagnosis.data.sensing.pairs import told
 from trunk_ros.diagnosis.data.sensing.readings import taken_out
 from trunk_ros.diagnosis.knocks import knocks_told
+from trunk_ros.diagnosis.levels import CLEARLY
 from trunk_ros.diagnosis.pace import skew_told
 from trunk_ros.diagnosis.search.fit import Fit
+from trunk_ros.diagnosis.verdict.units import sized
 from trunk_ros.recording.observed import Observed
 from trunk_ros.recording.recording import Recording
 from trunk_ros.recording.topics import TOPICS
@@ -27,6 +29,22 @@ def bursts_told(context: Context, index: int) -> Iterator[Observed]:
             "readings there count as much less"
         )
         yield told("burst", (TOPICS["joint_states"], context.joints), times, None, "1", said)
+
+
+def wandering_told(context: Context, index: int) -> Iterator[Observed]:
+    """What to say of noise that wanders much further than it goes from sample to sample: physics may hide in
+    it. It is that of all recordings, and said with the first.
+    """
+    clear = (c for c in context.wanders if context.noise[c].std > CLEARLY * context.noise[c].roughness)
+    for c in sorted(clear) if index == 0 else ():
+        joint, noise, unit = context.joints[c], context.noise[c], context.stage.unit(c)
+        std, rough = sized(noise.std, unit), sized(noise.roughness, unit)
+        said = (
+            f"the noise of {joint} wanders: {std}, {rough} from sample to sample. It goes with nothing that "
+            "the arm does, but smaller physics may be hidden in it"
+        )
+        where = TOPICS["joint_states"], (joint,)
+        yield Observed("wandering_noise", *where, noise.std, None, unit, False, (), said)
 
 
 @dataclass(frozen=True)
@@ -53,6 +71,7 @@ def _beside(state: Fit, index: int) -> Beside:
     tones = (([context.joints[c] for c in columns], hum) for columns, hum in context.views[index].hums)
     seen = (
         *bursts_told(context, index),
+        *wandering_told(context, index),
         *skew_told(context, state.hypothesis, index),
         *knocks_told(context, state.hypothesis, index),
     )

@@ -15,6 +15,7 @@ from trunk_ros.diagnosis.search.candidates import open_kinds
 from trunk_ros.diagnosis.search.descent import Desk, descend
 from trunk_ros.diagnosis.search.fit import Fit, costed_on, refit, refit_column
 from trunk_ros.diagnosis.search.moves import DROP, SWAP, SWAP_ALL
+from trunk_ros.diagnosis.search.of_the_arm import of_the_arm, untimed
 from trunk_ros.diagnosis.search.score import need
 from trunk_ros.diagnosis.search.slow_noise import (
     is_plain,
@@ -22,7 +23,6 @@ from trunk_ros.diagnosis.search.slow_noise import (
     likeliest_noise,
     told,
     unlikely,
-    untimed,
     wandering_in,
 )
 from trunk_ros.diagnosis.search.trial import looks
@@ -48,6 +48,8 @@ def steadied(now: Fit) -> Fit:
         if timed or not is_plain(context, context.noise[column], less, column):
             likely = likelier(context, less, now.hypothesis, column)
             if likely is None or (not timed and told(context, less, column)):
+                continue
+            if of_the_arm(context, less, column, likely[0]):
                 continue
             if likely[1] > need(context, column) * len(less.new_on(column, now.hypothesis)):
                 found[column] = likely[0]
@@ -117,6 +119,6 @@ def _of_the_others(context: Context, hypothesis: Hypothesis, found: dict[int, No
             continue
         usual = sorted(donors, key=lambda noise: noise.std)[(len(donors) - 1) // 2]
         gain = unlikely(context, known, hypothesis, column) - unlikely(context, usual, hypothesis, column)
-        if gain > need(context, column):
+        if gain > need(context, column) and not of_the_arm(context, hypothesis, column, usual):
             out[column] = usual
     return out

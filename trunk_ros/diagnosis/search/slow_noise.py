@@ -23,11 +23,10 @@ from trunk_ros.diagnosis.levels import JOINTS, NOTABLE, PART, REFITTED, SOME, SU
 from trunk_ros.diagnosis.search.candidates import extended, kinds_of_all, open_kinds
 from trunk_ros.diagnosis.search.fit import Fit, costed, refit, refit_column
 from trunk_ros.diagnosis.search.formed import measured
+from trunk_ros.diagnosis.search.of_the_arm import of_the_arm, untimed
 from trunk_ros.diagnosis.search.score import CURVE, FURTHER, need, score
 from trunk_ros.diagnosis.search.screen import PROMISED, Kept, Screen
 from trunk_ros.diagnosis.search.trial import looks, on_all_joints
-from trunk_ros.effects import effect
-from trunk_ros.effects.curve import Curve
 from trunk_ros.recording.signal.resample import SLOW
 
 Parts = list[tuple[Array, np.ndarray, np.ndarray]]
@@ -37,8 +36,9 @@ LOST = np.log(np.finfo(float).max) / 4.0  # of a logarithm: the squares of what 
 
 def told_from_noise(now: Fit, kept: Callable[[int], Kept]) -> Fit:
     """With the noise of joints that show nothing else than one that wanders: it explains all that is left
-    there, better than any further effect of the joint's own or a curve would, and the motion tells nothing
-    of it. ``kept``: looks at a column. What was told once stays: noise is measured by that without it.
+    there, better than any further effect of the joint's own or a curve would, and neither the motion nor
+    another joint tells anything of it. ``kept``: looks at a column. What was told once stays: noise is
+    measured by that without it.
     """
     context, found = now.context, dict[int, Noise]()
     if context.step >= SLOW or context.work.over:
@@ -80,7 +80,7 @@ def _wandering(
         return None
     if _may_be_drawn(now, column, gained, alike) or told(context, hypothesis, column):
         return None
-    return noise
+    return None if of_the_arm(context, hypothesis, column, noise) else noise
 
 
 def likelier(
@@ -280,14 +280,3 @@ def _tells(rest: Array, cuts: Cuts, source: Source) -> bool:
     nothing = sums.tried([], 1.0).left
     gains = (1.0 - sums.tried([0], worth).left / nothing for worth in WORTHS[::2])
     return any(g.mean() - NOTABLE * g.std(ddof=1) / np.sqrt(len(g)) > PART for g in gains)
-
-
-def untimed(hypothesis: Hypothesis, column: int) -> Hypothesis:
-    """Without the curves over time on a column that a reading which wanders looks like."""
-    names = [
-        term.effect
-        for term in hypothesis.on(column)
-        if issubclass(kind := effect(term.effect), Curve) and kind.follows_readings
-        if "time" in term.words.get(column, {}).values()
-    ]
-    return hypothesis.less(names, column) if names else hypothesis
