@@ -148,9 +148,9 @@ def test_a_run_that_only_one_of_two_can_show_says_so_and_does_what_it_says(
     doubtful = diagnose([of_two(first)])
     assert [(f.effect, f.equivalents) for f in doubtful.findings] == [("sensor_delay", ["viscous_lag"])]
     (told,) = doubtful.experiments
-    assert "if it is viscous lag (first order)" in told["statement"]
+    assert "if it is viscous lag (proportional)" in told["statement"], "the form that shows most"
     assert told["statement"].endswith(
-        "both remain possible: viscous lag (first order) can do what sensor delay does."
+        "both remain possible: viscous lag (proportional) can do what sensor delay does."
     )
     doubtful.save(tmp_path)
     second = made(tmp_path / "second", truth, proposed(tmp_path / FILE), 1)
