@@ -61,7 +61,8 @@ def test_a_mistyped_joint_is_said_in_one_line_by_all_commands(
 ) -> None:
     t = np.arange(0.0, 20.0, 0.01)
     angle = np.sin(np.outer(t, [1.0, 1.3]))
-    recording = Recording.from_arrays(t, angle, angle, joints=["shoulder", "forearm"])
+    read = angle + 1e-4 * np.random.default_rng(0).normal(size=angle.shape)
+    recording = Recording.from_arrays(t, angle, read, joints=["shoulder", "forearm"])
     own = tmp_path / "own.yaml"
     own.write_text("/**: {ros__parameters: {arm: {joints: [shoulder, forarm]}}}")
     write_recording(tmp_path / "run", recording)
