@@ -125,13 +125,10 @@ def shifted(x: Array, dt: Array, delay: Array, longest: float, state: Any) -> tu
     State: stamps (m,) before the last sample, on a clock of their own since an effect's time may stand
     still, and inputs.
     """
-    stamps, past = (np.zeros(0), x[:0]) if state is None else state
-    stamps = np.concatenate([stamps, np.cumsum(dt) + (stamps[-1] if len(stamps) else 0.0)])
-    past = np.ascontiguousarray(np.concatenate([past, x]))
+    stamps, past = _after(state, x, dt)
     out = np.empty_like(x)
     delayed(stamps, past, delay, len(stamps) - len(x), out)
-    kept = max(int(np.searchsorted(stamps, stamps[-1] - longest)) - 2, 0)
-    return out, (stamps[kept:] - stamps[-1], past[kept:])
+    return out, _kept_for(longest, stamps, past)
 
 
 def averaged(
@@ -141,13 +138,27 @@ def averaged(
     s ago, none of them further back than ``longest``. After its last sample, and before its first one, it
     stands there. State: as of `shifted`.
     """
-    late, (stamps, past) = shifted(x, dt, delay, longest, state)
-    before = np.zeros(0) if state is None else state[0]
-    whole = x if state is None else np.concatenate([state[1], x])
-    steps = np.cumsum(dt) + (before[-1] if len(before) else 0.0)
-    out = np.empty_like(x)
-    means(np.concatenate([before, steps]), np.ascontiguousarray(whole), delay, window, len(before), out)
-    return np.where(window < BRIEF, late, out), (stamps, past)
+    stamps, past = _after(state, x, dt)
+    out, skip, brief = np.empty_like(x), len(stamps) - len(x), window < BRIEF
+    means(stamps, past, delay, window, skip, out)
+    if brief.any():
+        late = np.empty_like(x)
+        delayed(stamps, past, delay, skip, late)
+        out = np.where(brief, late, out)
+    return out, _kept_for(longest, stamps, past)
+
+
+def _after(state: Any, x: Array, dt: Array) -> tuple[Array, Array]:
+    """Stamps (m,) and inputs (m, columns): those of a state, and after them ``x`` (n, columns)."""
+    stamps, past = (np.zeros(0), x[:0]) if state is None else state
+    stamps = np.concatenate([stamps, np.cumsum(dt) + (stamps[-1] if len(stamps) else 0.0)])
+    return stamps, np.ascontiguousarray(np.concatenate([past, x]))
+
+
+def _kept_for(longest: float, stamps: Array, past: Array) -> tuple[Array, Array]:
+    """The state: what may be asked for again within ``longest`` s."""
+    kept = max(int(np.searchsorted(stamps, stamps[-1] - longest)) - 2, 0)
+    return stamps[kept:] - stamps[-1], past[kept:]
 
 
 @compiled
