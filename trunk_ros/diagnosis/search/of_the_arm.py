@@ -34,16 +34,17 @@ def of_the_arm(context: Context, hypothesis: Hypothesis, column: int, noise: Noi
     rest = thinned(seen.whitened(hypothesis, column))
     for of in (SPEED, ACCELERATION, LOAD):
         shape = _shape(seen, column, of)
-        course, gain, usual, chance = _course(seen, hypothesis, column, shape, noise)
+        course, gain, usual, chance = _course(seen, column, rest, shape, noise)
         if gain > usual + SURE * chance:
             size = (1.0 - usual / gain) * _size(seen, _times(course, shape), column) ** 2
             if size > PART * wanders:
                 return True
+    others = [c for c in seen.columns if c != column]  # a curve over time may hold what both have
+    rests = {c: thinned(seen.whitened(untimed(hypothesis, c), c)) for c in others}
     for of in (STEADY, SPEED):
         shape = _shape(seen, column, of)
-        for other in [c for c in seen.columns if c != column]:
-            less = untimed(hypothesis, other)  # such a curve may hold what both have
-            course, *_ = _course(seen, less, other, _shape(seen, other, of), noise)
+        for other in others:
+            course, *_ = _course(seen, other, rests[other], _shape(seen, other, of), noise)
             alike = _times(course, shape)
             change = thinned(seen.whiten_change(alike, column))
             along, power = float(change @ rest), max(float(change @ change), FLOOR)
@@ -71,14 +72,14 @@ def _shape(context: Context, column: int, of: int) -> Signals:
 
 
 def _course(
-    context: Context, hypothesis: Hypothesis, column: int, shape: Signals, noise: Noise
+    context: Context, column: int, rest: Array, shape: Signals, noise: Noise
 ) -> tuple[Signals, float, float, float]:
-    """The factor on a shape that explains most of a column, a line from one moment to the next, as far apart
-    as a ``noise`` remembers, one (n,) a span; what it gains, what it would of noise alone, which may be
-    louder at times, and by how much that may be off by chance.
+    """The factor on a shape that explains most of the ``rest`` (k,) of a column, a line from one moment to
+    the next, as far apart as a ``noise`` remembers, one (n,) a span; what it gains, what it would of noise
+    alone, which may be louder at times, and by how much that may be off by chance.
     """
     changes = (context.whiten_change(_times(one, shape), column) for one in _moments(context, noise))
-    design, rest = np.column_stack([*map(thinned, changes)]), thinned(context.whitened(hypothesis, column))
+    design = np.column_stack([*map(thinned, changes)])
     left, size, right = map(np.asarray, np.linalg.svd(design, full_matrices=False))
     told = np.flatnonzero(size > SAME * size.max())
     left, along = left[:, told], left[:, told].T @ rest
