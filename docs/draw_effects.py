@@ -201,18 +201,19 @@ def draw(kind: type[Effect], path: Path) -> None:
 
 
 def tidy(axes: Any, values: Array) -> None:
-    """Small type, no frame, few ticks; a constant is drawn above its zero."""
+    """Small type, no frame, few ticks; a constant is drawn with its zero in sight."""
     axes.spines[["top", "right"]].set_visible(False)
     axes.tick_params(labelsize=7)
     axes.xaxis.label.set_size(8)
     axes.yaxis.label.set_size(8)
     axes.locator_params(axis="x", nbins=5)
     if np.ptp(values) < 1e-6:
-        axes.set_ylim(0.0, 1.2 * float(values.max()))
+        axes.set_ylim(*sorted((-0.2 * float(values[0]), 1.6 * float(values[0]))))
+        axes.axhline(0.0, color=STANDS, lw=0.4)
 
 
 def scaled(theta: Any, beside: Array) -> Any:
     """The joint angle in the range of what is drawn beside it."""
     low, high = float(beside.min()), float(beside.max())
-    span = high - low if high - low > 1e-6 else high
+    span = high - low if high - low > 1e-6 else abs(high)
     return (low + high) / 2 + theta * span
