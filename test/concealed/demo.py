@@ -29,8 +29,8 @@ from test.concealed.removed import read_angles
 
 SEED = 211
 REST = 1.0  # s after a motion
-OWN = ("run_*", "nominal", "fitted", "motion_*.yaml", "diagnosis", "diagnosis.json", "model.yaml",
-       "report.html", "demo.png", "experiment*")  # fmt: skip
+OWN = ("run_*", "nominal", "fitted", "motion_*.yaml", "diagnosis*", "model.yaml", "report.html", "demo.png",
+       "experiment*")  # fmt: skip
 T = TypeVar("T")
 
 
@@ -99,6 +99,7 @@ class Demo:
         self.arm, self.folder, self.seconds = arm, folder.absolute(), seconds
         wide = None if sys.stdout.isatty() else 120
         self.console = Console(highlight=False, soft_wrap=True, width=wide)
+        self.found = self.folder / "diagnosis"
         self.began = time.monotonic()
 
     def check(self) -> None:
@@ -149,13 +150,12 @@ class Demo:
         )
 
     def diagnose(self, *runs: str) -> dict[str, Any]:
-        """diagnosis.json of the first run, or of ``runs``; all its files go to the output folder."""
-        found = self.folder / "diagnosis"
-        trunk("diagnose", *(self.folder / run for run in runs or ("run_1",)), "--output", found)
-        for file in found.iterdir():
-            file.replace(self.folder / file.name)
-        found.rmdir()
-        verdict: dict[str, Any] = json.loads((self.folder / "diagnosis.json").read_text())
+        """diagnosis.json of the first run, or of ``runs``. Its folder stays where it was written, since the
+        report's commands name it.
+        """
+        self.found = self.folder / ("diagnosis_2" if runs else "diagnosis")
+        trunk("diagnose", *(self.folder / run for run in runs or ("run_1",)), "--output", self.found)
+        verdict: dict[str, Any] = json.loads((self.found / "diagnosis.json").read_text())
         return verdict
 
     def decide(self, verdict: dict[str, Any]) -> dict[str, Any]:
@@ -169,7 +169,7 @@ class Demo:
         told = [one for one in doubts if one["trajectory"]]
         if not told:
             return verdict
-        motion = self.folder / told[0]["trajectory"]
+        motion = self.found / told[0]["trajectory"]
         seconds = float(yaml.safe_load(motion.read_text())["points"][-1]["time_from_start"]) + REST
         self.console.print()
         self.step(
@@ -214,13 +214,13 @@ class Demo:
             f"[bold]{1e3 * before:.3f} before, {1e3 * after:.3f} after[/]; "
             f"noise of the sensors {1e3 * NOISE:.3f}"
         )
-        for name in ("demo.png", "report.html", "model.yaml"):
-            self.console.print(f"  {shown(self.folder / name)}")
+        for path in (self.folder / "demo.png", self.found / "report.html", self.found / "model.yaml"):
+            self.console.print(f"  {shown(path)}")
 
     def compare(self, source: str) -> Comparison:
         """Runs both models over the second run."""
         run = self.folder / "run_2"
-        for name, model in (("nominal", "trunk"), ("fitted", self.folder / "model.yaml")):
+        for name, model in (("nominal", "trunk"), ("fitted", self.found / "model.yaml")):
             trunk("simulate", run, "--model", model, "--output", self.folder / name, "--from", source)
         measured, nominal, fitted = (
             read_angles(bag, "joint_states") for bag in (run, self.folder / "nominal", self.folder / "fitted")
@@ -232,7 +232,7 @@ class Demo:
 
     def compensate(self) -> None:
         """The second motion once more, with the fitted model in the compensator."""
-        motion = ("--trajectory", self.folder / "motion_2.yaml", "--model", self.folder / "model.yaml")
+        motion = ("--trajectory", self.folder / "motion_2.yaml", "--model", self.found / "model.yaml")
         words = "run the second motion again with the fitted model in the compensator"
         self.step(words, lambda: drive(self.arm, self.folder / "run_3", self.seconds, 4, *motion))
         before, after = (self.true_error(name) for name in ("run_2", "run_3"))

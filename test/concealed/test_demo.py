@@ -75,8 +75,9 @@ def test_what_is_hidden_is_named_and_told_only_after_the_verdict(tmp_path: Path)
     assert done.returncode == 0, done.stdout + done.stderr
     assert 0 < done.stdout.index("Verdict:") < done.stdout.index("What was hidden")
     assert (tmp_path / "demo.png").read_bytes().startswith(b"\x89PNG")
-    assert (tmp_path / "report.html").exists()
-    found = json.loads((tmp_path / "diagnosis.json").read_text())["findings"]
+    assert str(tmp_path / "diagnosis" / "model.yaml") in (tmp_path / "diagnosis" / "report.html").read_text()
+    assert (tmp_path / "diagnosis" / "model.yaml").exists()
+    found = json.loads((tmp_path / "diagnosis" / "diagnosis.json").read_text())["findings"]
     assert "zero_offset" in [name for one in found for name in (one["effect"], *one["equivalents"])]
     assert all(any(path.match(own) for own in OWN) for path in tmp_path.iterdir())
 
