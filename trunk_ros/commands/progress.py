@@ -62,7 +62,7 @@ def progress(shares: Mapping[str, float]) -> Iterator[Say]:
     if asked() == Level.QUIET:
         yield lambda _: None
     elif asked() == Level.VERBOSE or not sys.stderr.isatty():
-        yield Progress(shares, _lines(0.0 if asked() == Level.VERBOSE else EVERY)).step
+        yield Progress(shares, lines(0.0 if asked() == Level.VERBOSE else EVERY)).step
     else:
         from rich.console import Console
 
@@ -71,7 +71,7 @@ def progress(shares: Mapping[str, float]) -> Iterator[Say]:
             yield told.step
 
 
-def _lines(every: float) -> Say:
+def lines(every: float) -> Say:
     """Prints a line on the standard error, if the last one is so many s old."""
     last = time.monotonic()
 

@@ -6,6 +6,8 @@ import hashlib
 import json
 import math
 import re
+import sys
+import time
 from collections import Counter
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -24,6 +26,8 @@ from rich.progress import (
     TimeRemainingColumn,
 )
 
+from trunk_ros.commands.console import Level, asked
+from trunk_ros.commands.progress import EVERY, Say, lines, spoken
 from trunk_ros.diagnosis.nominal_servo import Servos
 from trunk_ros.fleet.inputs.listing import Job
 from trunk_ros.fleet.run.cluster import each
@@ -56,7 +60,7 @@ class Work:
 
     def run(self, limits: Limits) -> Fleet:
         """Everything; files are written even where the run is stopped half-way."""
-        self.servos = servos(self.client, self.folder, self.jobs, self.model)
+        self.servos = servos(self.client, self.folder, self.jobs, self.model, shown)
         examined = self._examined()
         followed = self._followed(examined)
         self._reported(examined)
@@ -180,7 +184,12 @@ def together(examined: pa.Table, followed: pa.Table, limits: Limits | None = Non
 
 @contextmanager
 def shown(what: str, count: int) -> Iterator[Tick]:
-    """A bar with the time that is expected, on standard error; yields a function that moves it on."""
+    """A bar with the time that is expected, on standard error, or a line every ten seconds where that is no
+    terminal; yields a function that moves it on.
+    """
+    if asked() == Level.QUIET or not sys.stderr.isatty():
+        yield _counted(what, count, (lambda _: None) if asked() == Level.QUIET else lines(EVERY))
+        return
     columns = (
         TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn(),
         TextColumn("left"), TimeRemainingColumn(),
@@ -188,6 +197,18 @@ def shown(what: str, count: int) -> Iterator[Tick]:
     with Progress(*columns, console=Console(stderr=True), disable=not count) as progress:
         task = progress.add_task(what, total=count)
         yield lambda: progress.advance(task)
+
+
+def _counted(what: str, count: int, say: Say) -> Tick:
+    """Says how many are done, each time that one is."""
+    began, done = time.monotonic(), 0
+
+    def tick() -> None:
+        nonlocal done
+        done += 1
+        say(f"{what}: {done} of {count} ({spoken(time.monotonic() - began)})")
+
+    return tick
 
 
 def folder_of(arm: str) -> str:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -13,6 +13,7 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined
 import trunk_ros.diagnosis.report as of_one
 from trunk_ros import __version__
 from trunk_ros.diagnosis.report.units import quantity, spoken
+from trunk_ros.diagnosis.words import listed
 from trunk_ros.effects import effect
 from trunk_ros.fleet.report.spark import spark
 from trunk_ros.fleet.together.common import FEW
@@ -141,11 +142,24 @@ def _cell(fleet: Fleet, arm: str, name: str, parameter: str) -> Cell | None:
     top = max(abs(one.level[0] - null) for one in alike) or 1.0
     size, std = largest.level
     heat = int(np.ceil(HEATS * abs(size - null) / top)) if abs(size - null) > 2.0 * std else 0
-    grown = any((t.arm, t.effect, t.parameter) == (arm, name, parameter) for t in fleet.trends)
-    jumped = any((c.arm, c.effect, c.parameter) == (arm, name, parameter) for c in fleet.changes)
-    mark = ("grows " if grown else "") + ("jumped" if jumped else "")
     text = quantity(size, std, largest.series.unit, relative=largest.series.unit == "1")
-    return Cell(text, largest.series.key.joint, mark.strip(), heat)
+    shown = largest.series.key.joint
+    said = (("grows", fleet.trends), ("jumped", fleet.changes))
+    told = [_mark(word, shown, _joints(some, arm, name, parameter)) for word, some in said]
+    return Cell(text, shown, ", ".join(filter(None, told)), heat)
+
+
+def _joints(some: Sequence[Trend | Change], arm: str, name: str, parameter: str) -> list[str]:
+    """The joints of an arm on which a value grows, or jumped."""
+    mine = [one.joint for one in some if (one.arm, one.effect, one.parameter) == (arm, name, parameter)]
+    return list(dict.fromkeys(mine))
+
+
+def _mark(word: str, shown: str, joints: list[str]) -> str:
+    """What a value does; with the joints where that is not the one that is shown alone."""
+    if not joints:
+        return ""
+    return word if joints == [shown] else f"{listed(joints)} {word}"
 
 
 def _trends(fleet: Fleet, series: dict[Key, Judged]) -> list[dict[str, Any]]:

@@ -6,9 +6,9 @@ import numpy as np
 from markupsafe import Markup
 
 from trunk_ros.compiled import Array
-from trunk_ros.diagnosis.report.style import ACCENT, GREY, INK
 from trunk_ros.fleet.together.judged import Judged
 
+ACCENT, GREY, INK = "var(--accent)", "var(--grey)", "var(--ink)"  # of the page: it may be dark
 WIDTH, HEIGHT, EDGE = 150.0, 34.0, 3.0
 MOST = 120  # points that are drawn
 

@@ -6,7 +6,8 @@ from __future__ import annotations
 
 import json
 import math
-from contextlib import ExitStack
+from collections.abc import Callable, Iterator
+from contextlib import AbstractContextManager, ExitStack, contextmanager
 from dataclasses import asdict
 from itertools import islice
 from pathlib import Path
@@ -29,11 +30,20 @@ from trunk_ros.recording.recording import Recording
 FIRST = 3  # recordings of an arm that its servos are found in: what comes later is compared with them
 MOST = 10  # that are looked at for them: others may have no setpoints
 FILE = "servos.json"
+Shown = Callable[[str, int], AbstractContextManager[Callable[[], None]]]
 
 
-def servos(client: Any, folder: Path, jobs: list[Job], model: Model) -> dict[str, Servos]:
+@contextmanager
+def untold(what: str, count: int) -> Iterator[Callable[[], None]]:
+    """Says nothing of how far it is."""
+    yield lambda: None
+
+
+def servos(
+    client: Any, folder: Path, jobs: list[Job], model: Model, shown: Shown = untold
+) -> dict[str, Servos]:
     """By arm; empty where the model says what they are. Kept in the folder: they stay what they were when
-    recordings come.
+    recordings come. ``shown``: how far it is, by a name and the number of arms.
     """
     if model.says_its_servos:
         return {}
@@ -42,10 +52,12 @@ def servos(client: Any, folder: Path, jobs: list[Job], model: Model) -> dict[str
     paths: dict[str, list[str]] = {}
     for job in sorted(jobs, key=lambda job: (math.inf if math.isnan(job.time) else job.time, job.path)):
         paths.setdefault(job.arm, []).append(job.path)
-    tasks = ((arm, (some[:MOST], model)) for arm, some in paths.items() if arm not in told)
-    for arm, found in each(client, found_in, tasks):
-        if isinstance(found, Servos) and found.numbers:
-            told[arm] = found
+    tasks = [(arm, (some[:MOST], model)) for arm, some in paths.items() if arm not in told]
+    with shown("servos of arms", len(tasks)) as tick:
+        for arm, found in each(client, found_in, tasks):
+            if isinstance(found, Servos) and found.numbers:
+                told[arm] = found
+            tick()
     if told:
         folder.mkdir(parents=True, exist_ok=True)
         arms = {arm: asdict(found) for arm, found in told.items()}
