@@ -78,7 +78,7 @@ def test_of_a_servo_whose_loop_was_found_first_the_rest_is_a_share_of_what_that_
     series = {"setpoints": asked, "gearbox_states": replace(went, position=went.position + wanders[:, None])}
     told = diagnose([Recording("made", 0, 20.0, series)], model="direct", experiments=False)
     (rest,) = told.unexplained
-    assert "% of what the loop that was found first leaves, " in rest.statement
+    assert "% of what remains once the servo's loop is identified, " in rest.statement
     stated = replace(told.model, effects={})
     again = diagnose([Recording("made", 0, 20.0, series)], model=stated, experiments=False)
     assert "% of the residual's power, " in again.unexplained[0].statement

@@ -41,7 +41,7 @@ def test_quantities_are_written_as_in_the_field(
 
 
 def test_large_losses_have_powers_of_ten() -> None:
-    assert powers(15628181.0) == "1.6 × 10⁷"
+    assert powers(15628181.0) == "1.6\N{NO-BREAK SPACE}×\N{NO-BREAK SPACE}10⁷"
 
 
 def test_culprit_spans_are_where_the_nominal_error_is_well_above_the_noise() -> None:

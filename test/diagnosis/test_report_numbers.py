@@ -11,6 +11,7 @@ from test.diagnosis.test_report import words
 from trunk_ros.diagnosis.report import render
 from trunk_ros.diagnosis.report.data import numbers
 from trunk_ros.diagnosis.report.units import fall, powers, rounded, times
+from trunk_ros.diagnosis.verdict.finding import evidence_of
 from trunk_ros.diagnosis.verdict.findings import statement_of
 from trunk_ros.diagnosis.verdict.units import as_read
 from trunk_ros.diagnosis.words import significant
@@ -86,12 +87,33 @@ def test_of_signals_without_noise_nothing_is_told_in_times_of_it() -> None:
     )
 
 
+def test_of_what_no_curve_fits_no_size_and_no_contribution_is_told() -> None:
+    told = evidence_of(signature="No effect and no curve explains it.")
+    unknown = made.finding("unknown", ["joint_3"], {}, depends_on=["speed"], evidence=told)
+    text = words(render(replace(made.backlash(), findings=[unknown])))
+    assert "no curve fits" in text
+    assert "Grey dots: residual. What to look for" in text
+    assert "It moves the prediction" not in text
+    assert "a curve over" not in text
+
+
+def test_an_error_that_no_finding_changes_is_told_once() -> None:
+    result = made.backlash()
+    for said in result.stages["wire"]["joints"].values():
+        said["rmse_after"] = said["rmse_before"]
+    assert re.search(
+        r"Held-out error of the worst signal, wire joint_3: [^→]* mrad, as before", words(render(result))
+    )
+
+
 def test_evaluate_shows_no_ratio_to_noise_that_is_not_there(capsys: pytest.CaptureFixture[str]) -> None:
     row = Row("run", "trunk", "wire", "joint_1", "rad", 0.01, 0.01, 0.02, 0.02, 1e-9)
     show([row, replace(row, joint="joint_2", noise=1e-4), replace(row, model="m")], Console(width=160))
     told = capsys.readouterr().out.splitlines()
     assert [line.split()[-1] for line in told[1:4]] == ["–", "100", "–"]
     assert "≈ 0" in told[1]
+    show([replace(row, rms_after=1.43)], Console(width=160))
+    assert "1430 mrad" in capsys.readouterr().out
     assert "no signal has noise" in told[-1]
 
 

@@ -25,7 +25,7 @@ from trunk_ros.model import Model
 from trunk_ros.passes import Passes
 from trunk_ros.stage import run_servo, servo_core
 
-LEFT_BY_LOOP = "what the loop that was found first leaves"
+LEFT_BY_LOOP = "what remains once the servo's loop is identified"
 
 
 class ServoStage(Stage):

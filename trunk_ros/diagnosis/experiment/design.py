@@ -192,9 +192,9 @@ def statement(
         part = seen.ratio / CLEARLY
         short = f"{f'{part:.0%}' if part >= HARDLY else 'less than 1%'} of what a decision takes"
         return (
-            f"No motion within the joint limits decides between {truth} and {other}: once both are fitted to "
-            f"the best one, they differ by {gap} in one sample of {joint} ({times}), but over all samples by "
-            f"{significant(seen.rms, 2)} times the noise (rms): {short}."
+            f"No motion within the joint limits decides between {truth} and {other}: in the best one "
+            f"that was found, once both are fitted to it, they differ by {gap} in one sample of {joint} "
+            f"({times}), but over all samples by {significant(seen.rms, 2)} times the noise (rms): {short}."
         )
     moves = f"at {seen.speed:+.2f} {per_second(unit)}" if round(seen.speed, 2) else "at rest"
     where = f"{joint} at {seen.time:.1f} s ({placed(seen.angle, unit)}, {moves})"

@@ -6,7 +6,7 @@ import math
 from typing import Any
 
 from trunk_ros.diagnosis.data.noise import is_none, rms
-from trunk_ros.diagnosis.report.signals import concerns, contributions, entries, signals
+from trunk_ros.diagnosis.report.signals import acts, concerns, contributions, entries, signals
 from trunk_ros.diagnosis.report.signature import figure_signature, reading
 from trunk_ros.diagnosis.report.style import image
 from trunk_ros.diagnosis.report.units import powers, quantity, rounded, spoken, times
@@ -33,7 +33,7 @@ def _card(result: Answer, finding: Finding) -> dict[str, Any]:
     figure = figure_signature(result, finding)
     samples = samples_of(result, finding)
     gain = sum(float(g) for g in finding.evidence.get("gain", {}).values())
-    quiet = without_noise(result, finding)
+    quiet = without_noise(result, finding) or not acts(finding)
     return {
         "name": spoken(finding.effect),
         "title": ("less " if is_excess(finding) else "")
@@ -45,10 +45,10 @@ def _card(result: Answer, finding: Finding) -> dict[str, Any]:
         "image": None if figure is None else image(figure),
         "reading": reading(result, finding),
         "parameters": table(finding),
-        "sizes": sizes(finding),
+        "sizes": sizes(finding) if acts(finding) else ["no curve fits"],
         "confidence": round(100 * finding.confidence),
         "strength": "" if quiet else times(float(finding.evidence.get("strength", 0.0))),
-        "does": "" if figure is None else does(result, finding),
+        "does": does(result, finding) if figure is not None and acts(finding) else "",
         "ties": ties(finding),
         "at_bound": at_bound(finding),
         "gain": "" if quiet else per_sample(gain, samples),

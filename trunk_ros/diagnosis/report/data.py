@@ -119,7 +119,7 @@ def provenance(result: Answer) -> list[tuple[str, str]]:
     told = {
         key: value for key, value in result.provenance.items() if key != "arguments"
     }  # the command has them
-    lines = [(key.replace("_", " "), value) for key, value in _flat(told)]
+    lines = [(key if key == "trunk_ros" else key.replace("_", " "), value) for key, value in _flat(told)]
     return [*lines, ("fitted model hash", result.model.hash())]
 
 

@@ -111,6 +111,11 @@ def concerns(finding: Finding, stage: str, name: str) -> bool:
     return finding.stage == stage and (stage == "arm" or not finding.joints or name in finding.joints)
 
 
+def acts(finding: Finding) -> bool:
+    """Whether a finding changes the prediction: physics that no name and no curve fits is in no model."""
+    return bool(finding.parameters or finding.curve or finding.evidence.get("strength"))
+
+
 def contributions(result: Answer, finding: Finding) -> dict[str, Array]:
     """What a finding adds to the prediction of its signals, (n,) by name.
 

@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from trunk_ros.diagnosis.report.errors import MOST, WIDTH
-from trunk_ros.diagnosis.report.signals import concerns, contributions, signals
+from trunk_ros.diagnosis.report.signals import acts, concerns, contributions, signals
 from trunk_ros.diagnosis.report.style import ACCENT, GREY, LINE, MUTED, PLAIN, label, limits, styled
 from trunk_ros.diagnosis.report.view import POINTS, Cloud, cloud, view_of
 from trunk_ros.diagnosis.verdict.answer import Answer
@@ -62,7 +62,8 @@ def _panel(axis: Axes, held: Cloud) -> None:
     axis.axhline(0.0, color=LINE, lw=0.8, zorder=0)
     dot, width = (4.5, 1.1) if 2 * len(held.x) < POINTS else (2.6, 1.7)
     axis.plot(held.x, held.y, ".", ms=dot, mew=0, color=GREY, alpha=0.6, rasterized=True)
-    axis.plot(held.curve_x, held.curve_y, color=ACCENT, lw=width, solid_capstyle="round")
+    if np.any(held.curve_y):
+        axis.plot(held.curve_x, held.curve_y, color=ACCENT, lw=width, solid_capstyle="round")
     if held.log:
         axis.set_xscale("log")
         axis.xaxis.set_major_formatter(PLAIN)
@@ -75,7 +76,9 @@ def _panel(axis: Axes, held: Cloud) -> None:
 def reading(result: Answer, finding: Finding) -> str:
     """How to read the plot."""
     over = {view_of(finding, s.name) for s in signals(result) if concerns(finding, s.stage, s.name)}
-    text = "Grey dots: residual without this effect. Line: this effect's contribution."
+    text = "Grey dots: residual."
+    if acts(finding):
+        text = "Grey dots: residual without this effect. Line: this effect's contribution."
     if any(v.along for v in over):
         text += " Residuals are signed along the motion: below zero the joint lags."
     if any(v.window for v in over):

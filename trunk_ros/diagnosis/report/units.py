@@ -83,7 +83,7 @@ def powers(number: float) -> str:
     if abs(number) < 1e4:
         return significant(number, 2).replace("-", "−")
     head, _, tail = f"{number:.1e}".partition("e")
-    return f"{head} × 10{str(int(tail)).translate(RAISED)}"
+    return f"{head}{NBSP}×{NBSP}10{str(int(tail)).translate(RAISED)}"
 
 
 def times(ratio: float | None) -> str:

@@ -64,7 +64,10 @@ def _signal(row: Ratio) -> str:
 
 def _fall(result: Answer, row: Ratio) -> str:
     said = entries(result, row.stage)[row.name]
-    sizes = fall(said["rmse_before"], said["rmse_after"], str(said.get("unit", "rad")))
+    unit = str(said.get("unit", "rad"))
+    if said["rmse_before"] == said["rmse_after"]:
+        return f"{rounded(said['rmse_before'], unit)}, as before ({times(row.before)} times the {row.of})"
+    sizes = fall(said["rmse_before"], said["rmse_after"], unit)
     return f"{sizes} ({times(row.before)} → {times(row.after)} times the {row.of})"
 
 
