@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import replace
 from pathlib import Path
 
@@ -106,6 +107,8 @@ def test_a_bag_of_foreign_topics_gets_a_mapping_that_takes_them_in(
     said = capsys.readouterr().out
     assert "/elbow_angle    std_msgs/msg/Float64" in said
     assert f"trunk_ros import {bag} --mapping MAP.yaml -o {bag}_arm" in said
+    assert main(["info", str(bag), "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["foreign_topics"]["/elbow_angle"] == "std_msgs/msg/Float64"
     (tmp_path / "map.yaml").write_text(said[said.index("  joints:") : said.index("then:")])
     assert read_bag(bag, tmp_path / "map.yaml").joints == ("joint_1",)
 
@@ -159,6 +162,15 @@ def test_the_mapping_to_begin_with_has_the_time_that_a_table_has_as_yaml_takes_i
     proposed = shown[shown.index("save it as MAP.yaml:") + 20 : shown.index("then:")].replace("RATE ", "10 ")
     mapping.write_text(proposed.replace("MOTOR_SIDE_ANGLE", "x").replace("JOINT_ANGLE", "x"))
     assert len(read_csv(file, mapping).require("joint_states").stamp) > 1
+
+
+def test_the_columns_of_a_table_for_programs(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (tmp_path / "run.csv").write_text("t_ms,enc\n0,1.5\n10,1.6\n20,1.7\n")
+    assert main(["info", str(tmp_path / "run.csv"), "--json"]) == 0
+    told = json.loads(capsys.readouterr().out)
+    assert told["rows"] == 3
+    assert told["columns"] == {"t_ms": "0", "enc": "1.5"}
+    assert told["time"] == {"column": "t_ms", "unit": "ms"}
 
 
 def test_a_table_of_numbers_apart_by_blanks_has_no_header(

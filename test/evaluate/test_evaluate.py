@@ -62,6 +62,17 @@ def test_a_model_is_scored_against_its_arm_without_effects(
     assert {r["stage"] for r in rows} == {"servo", "wire"}
 
 
+def test_a_servo_that_no_one_described_is_said_to_be_that_of_trunk(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["evaluate", str(folder / "run"), "-m", "direct", str(folder / "model.yaml")]) == 0
+    said = capsys.readouterr().err
+    assert said.count("has no servo section") == 1
+    assert "trunk_ros: direct has no servo section" in said
+    assert main(["evaluate", str(folder / "run"), "-m", "direct", "--stage", "wire"]) == 0
+    assert "servo section" not in capsys.readouterr().err
+
+
 def test_readings_of_a_sensor_that_sticks_do_not_count(
     folder: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -146,7 +146,7 @@ def _tip(arm: Arm) -> str:
 
 def _listed(number: float | Array) -> str:
     values = [number] if isinstance(number, float) else number.tolist()
-    return "/".join(f"{value:g}" for value in values)
+    return "/".join(f"{value:.4g}" for value in values)
 
 
 def _servo(arm: Arm, given: dict[str, Any]) -> str:

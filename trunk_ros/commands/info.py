@@ -39,7 +39,7 @@ def main(argv: list[str]) -> int:
     """The command."""
     asked = parser().parse_args(argv)
     if asked.bag.suffix.lower() in TABLES:
-        say(*table(asked.bag))
+        say(*([json.dumps(surveyed(asked.bag), indent=1)] if asked.json else table(asked.bag)))
         return 0
     from trunk_ros.errors import ForeignError
     from trunk_ros.recording.read import read_recording
@@ -50,7 +50,8 @@ def main(argv: list[str]) -> int:
         topics = foreign_topics(asked.bag)
         if not topics:
             raise
-        say(*foreign(asked.bag, topics))
+        told = {"recording": str(asked.bag), "foreign_topics": topics}
+        say(*([json.dumps(told, indent=1)] if asked.json else foreign(asked.bag, topics)))
         return 0
     found = gathered(*model_for(recording, asked.model))
     say(*([json.dumps(found, indent=1)] if asked.json else spoken(found)))
@@ -161,7 +162,7 @@ def spoken(found: dict[str, Any]) -> list[str]:
         lost = "uneven" if q["lost"] is None else str(q["lost"])
         rows.append((topic, f"{q['rate_hz']:.4g} Hz", str(q["samples"]), lost, f"{q['longest_gap']:.3g} s"))
     lines += [*columns(rows), ""]
-    rows = [("joint", "range", "top speed", "turns")]
+    rows = [("joint", "range", "top speed", "reversals")]
     for joint, m in found["joints"].items():
         span = f"{m['low']:+.3f} … {m['high']:+.3f} {m['unit']}"
         rows.append((joint, span, f"{m['speed']:.2g} {m['unit']}/s", str(m["turns"])))
@@ -189,6 +190,21 @@ def _stage(stage: str, told: dict[str, Any], units: dict[str, str]) -> list[str]
         lines.append(f"        hardly moves: {', '.join(told['silent'])}")
     lines.append(f"        tried: {', '.join(told['effects'])}")
     return lines + [f"        not {', '.join(names)}: {reason}" for reason, names in told["unseen"].items()]
+
+
+def surveyed(path: Path) -> dict[str, Any]:
+    """The columns of a table, as JSON has them."""
+    from trunk_ros.recording.importing.survey import survey
+
+    found = survey(path)
+    return {
+        "table": str(path),
+        "rows": found.count,
+        "columns": dict(zip(found.names, found.first, strict=True)),
+        "delimiter": found.delimiter,
+        "decimal": found.decimal,
+        "time": {"column": found.time, "unit": found.unit} if found.time else None,
+    }
 
 
 def table(path: Path) -> list[str]:

@@ -47,12 +47,23 @@ def evaluated(arguments: argparse.Namespace) -> list[Row]:
                 predictions, notes = predictions + others, notes + more
             said += [f"{called_so}: {note}" for note in dict.fromkeys(notes)]
             rows += score(called_so, predictions, arguments.settle)
-    for line in said:
-        print(f"trunk_ros: {line}", file=sys.stderr)
     kept = [row for row in rows if row.stage in (arguments.stage or STAGES)]
+    for line in [*said, *_unstated(models, kept)]:
+        print(f"trunk_ros: {line}", file=sys.stderr)
     if not kept:
         raise ArgumentError("evaluate: none of the recordings has a signal of these stages to compare")
     return kept
+
+
+def _unstated(models: Sequence[tuple[str, Model]], rows: Sequence[Row]) -> list[str]:
+    """Of models without a servo: their servo's errors are those of numbers that nobody gave."""
+    judged = {row.model for row in rows if row.stage == "servo"}
+    return [
+        f"{name} has no servo section, so its servo rows are those of trunk's servo: compare the wire rows, "
+        "or give the servo that diagnose found (section servo of its model.yaml)"
+        for name, model in models
+        if name in judged and not model.arm.servo_stated
+    ]
 
 
 def _of_models(

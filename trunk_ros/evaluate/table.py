@@ -28,7 +28,7 @@ def show(rows: Sequence[Row], console: Console) -> None:
     for row in rows:
         factor, unit = SMALL.get(row.unit, (1.0, row.unit))
         sizes = (row.rms_before, row.rms_after, row.worst_before, row.worst_after, row.noise)
-        said = [ROUNDING if is_none(size) else f"{size * factor:.3g} {unit}" for size in sizes]
+        said = [ROUNDING if is_none(size) else f"{significant(size * factor)} {unit}" for size in sizes]
         said.append(significant(row.in_noise) if row.has_noise else NONE)
         table.add_row(row.recording, row.model, row.stage, row.joint, *said)
     console.print(table)
