@@ -49,7 +49,7 @@ def test_what_the_simulator_has_is_found_beside_the_model(
     save_model(model_of({"backlash": {"half_width": pair(4e-3, 3e-3)}}), "simulation.yaml")
     assert run() == 0
     said = capsys.readouterr().out
-    assert "what it had already: simulation.yaml" in said
+    assert "what your simulator had already: simulation.yaml" in said
     assert "note: backlash: the simulator has more of it than the arm (elbow 0.002 rad)" in said
     assert set(RealityLayer("new.reality.yaml").model.effects) == {"sensor_delay"}
 

@@ -47,9 +47,8 @@ def bodies_beside(model: str, given: str | None) -> str | None:
 
 def say(sheet: Sheet, output: Path, layer: Path, simulation: str | None, bodies: str | None) -> None:
     """What was written, what is left, and what cannot be had."""
-    print(
-        f"{output}: {len(sheet.lines)} changes; what it had already: {simulation or 'nothing but its ratios'}"
-    )
+    count = f"{len(sheet.lines)} change{'' if len(sheet.lines) == 1 else 's'}"
+    print(f"{output}: {count}; what your simulator had already: {simulation or 'its ratios only'}")
     if bodies:
         print(f"  friction, armature and last link from {bodies}")
     for line in sheet.lines:

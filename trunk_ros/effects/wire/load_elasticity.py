@@ -1,4 +1,4 @@
-"""The wire stretches under the joint's resistance moment."""
+"""The wire stretches under the load moment of the joint."""
 
 from types import MappingProxyType
 from typing import Any

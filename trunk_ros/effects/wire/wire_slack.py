@@ -23,7 +23,7 @@ class WireSlack(Sagging):
     """
 
     id = "wire_slack"
-    signature = "The joint sags under weight, and past some moment more steeply."
+    signature = "The joint sags under weight, and more steeply past a certain load."
     source = (
         "Antagonistic pair with pretension: "
         "stiffness 2k with both wires taut, k with one slack (Kobayashi et al. 1998)."
