@@ -45,7 +45,8 @@ def _joints(axis: Axes, angle: Array, error: Array, printed: float) -> None:
         axis.annotate(f"joint {joint + 1}", end, (4, 0), va="center", color=shade, **beside)
     axis.plot(angle[[0, -1]], [printed, printed], color=GREY, ls=":", lw=1)
     axis.annotate(f"printed: ~{printed}", (0, printed), (4, 3), color=GREY, **beside)
-    axis.set(xlim=(0, angle[-1] * 1.18), ylim=(0, None), xticks=range(0, 25, 5))
+    below = -0.08 * printed  # room for the lowest label, which the axis would strike through
+    axis.set(xlim=(0, angle[-1] * 1.18), ylim=(below, None), xticks=range(0, 25, 5))
     axis.spines[["top", "right"]].set_visible(False)
 
 
