@@ -87,6 +87,13 @@ def test_the_step_is_found_on_a_joint_so_slow_that_no_reading_is_far_from_the_la
     assert count(seen) == pytest.approx(STEP, rel=1e-9)
 
 
+def test_the_step_is_found_on_a_joint_that_went_on_by_several_counts_between_all_samples() -> None:
+    away = np.round(np.cumsum(4.0 + 2.0 * np.sin(0.7 * np.arange(400))))  # steps of 2 to 6 counts
+    seen = np.concatenate([np.full(50, away[0]), away, away[::-1] + 3.0]) * STEP
+    assert np.abs(np.diff(seen))[np.diff(seen) != 0].min() > 1.5 * STEP
+    assert count(seen) == pytest.approx(STEP, rel=1e-9)
+
+
 def test_unknown_angles_stay_unknown_and_those_beside_lost_ones_as_they_are():
     seen = rounded(moving())
     seen[500:510] = np.nan

@@ -84,10 +84,16 @@ def _noise(readings: Floats) -> float:
 
 
 def count(readings: Floats) -> float:
-    """The step of the encoder that readings (n,) come from, in their unit; 0 where they lie on no grid."""
+    """The step of the encoder that readings (n,) come from, in their unit; 0 where they lie on no grid: the
+    least that one differs by from the next, or, of a joint that went far between all samples, from any.
+    """
     known = readings[np.isfinite(readings)]
-    moved = np.abs(np.diff(known))
-    smallest = moved[moved > 1e-9].min(initial=np.inf)
+    return _grid_of(known, np.abs(np.diff(known))) or _grid_of(known, np.diff(np.unique(known)))
+
+
+def _grid_of(known: Floats, apart: Floats) -> float:
+    """The step of a grid on which readings (n,) lie, the smallest of some distances (k,); 0 where none is."""
+    smallest = apart[apart > 1e-9].min(initial=np.inf)
     if not np.isfinite(smallest):
         return 0.0
     step = _refined(known - known[0], float(smallest))
