@@ -110,6 +110,18 @@ def test_the_error_falls_to_the_noise_on_samples_that_the_fit_did_not_see(loose:
     assert joint["rmse_after"] == pytest.approx(joint["noise_floor"], rel=0.1)
 
 
+def test_a_wire_that_only_drags_its_neighbour_along_is_found_and_is_no_noise() -> None:
+    drag = {"form": "drag", "drag": on(3, 1.0), "reach": on(3, 3e-3), "source": ["", "", "joint_2"]}
+    result = diagnose([of_the_wires(recorded({"joint_coupling": drag}))], experiments=False)
+    (found,) = result.findings
+    values = {name: said["value"] for name, said in found.parameters["joint_3"].items()}
+    assert (found.effect, found.joints, found.evidence["form"]) == ("joint_coupling", ["joint_3"], "drag")
+    assert values["drag"] == pytest.approx(1.0, rel=0.05)
+    assert values["reach"] == pytest.approx(3e-3, rel=0.05)
+    assert found.confidence > 0.9
+    assert "drags" in found.statement
+
+
 @pytest.mark.parametrize(
     ("effect", "form", "gain"),
     [

@@ -12,7 +12,7 @@ from trunk_ros.diagnosis.search.candidates import Candidate
 from trunk_ros.diagnosis.search.windows import Reach
 from trunk_ros.effects import Effect
 from trunk_ros.guards import ROUNDED
-from trunk_ros.parameter import leading
+from trunk_ros.parameter import Parameter, leading
 
 
 def too_large(products: list[tuple[float, float]]) -> float:
@@ -35,33 +35,37 @@ def merit(kind: type[Effect], form: str, rd: float, dd: float) -> float:
 
 
 def reach(kind: type[Effect], trial: Candidate) -> Reach:
-    """Within which multiples of its start the leading parameter may be."""
-    lead = leading(kind.own_parameters(trial.form))
+    """Within which multiples of its start what an effect is in proportion to may be."""
     if not kind.scalable:
         return 1.0, 1.0
-    ends = (np.array(lead.bounds) - lead.absent) / (trial.start[lead.name] - lead.absent)
-    return float(ends.min()), float(ends.max())
+    ends = [
+        sorted((end - p.absent) / (trial.start[p.name] - p.absent) for end in p.bounds)
+        for p in _sizes(kind, trial)
+    ]
+    return max(low for low, _ in ends), min(high for _, high in ends)
+
+
+def _sizes(kind: type[Effect], trial: Candidate) -> list[Parameter]:
+    """The leading parameter, and what else the effect is in proportion to."""
+    own = kind.own_parameters(trial.form)
+    lead, begun = leading(own), {n for n in kind.sizes if n in trial.start}
+    return [p for p in own if p is lead or ({p.name, lead.name} <= begun and trial.start[p.name] != p.absent)]
 
 
 def scaled(
     kind: type[Effect], trial: Candidate, rd: float, dd: float, known: Collection[str] = ()
 ) -> Candidate | None:
-    """The candidate with its leading parameter scaled to the optimum of a linear look; None where it
+    """The candidate with what it is in proportion to scaled to the optimum of a linear look; None where it
     cannot help.
     """
     if dd <= ROUNDED:
         return None
-    lead = leading(kind.own_parameters(trial.form))
-    off = lead.absent
-    if not kind.scalable or lead.name in known:
+    if not kind.scalable or leading(kind.own_parameters(trial.form)).name in known:
         return replace(trial, gain=2 * rd - dd) if 2 * rd > dd else None
-    factor = rd / dd
-    value = off + (trial.start[lead.name] - off) * factor
-    low, high = lead.bounds
-    if not low <= value <= high:
-        value = min(max(value, low), high)
-        factor = (value - off) / (trial.start[lead.name] - off)
+    least, most = reach(kind, trial)
+    factor = min(max(rd / dd, least), most)
     gain = factor * (2 * rd - factor * dd)
     if gain <= 0.0 or factor == 0.0:
         return None
-    return replace(trial, start={**trial.start, lead.name: value}, gain=gain)
+    start = {p.name: p.absent + (trial.start[p.name] - p.absent) * factor for p in _sizes(kind, trial)}
+    return replace(trial, start={**trial.start, **start}, gain=gain)

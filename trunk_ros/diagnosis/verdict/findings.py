@@ -102,15 +102,16 @@ def _touched(context: Context, kind: type[Effect], term: Term) -> list[int]:
 
 
 def settled(kind: type[Effect], term: Term, std: Spreads) -> float:
-    """1 where the effect's size, or that of one of a bank's shapes, is well above its spread on its surest
-    joint, less where it is not. Beside what the arm's description states a size is as uncertain as that is,
-    and it is enough that it is above its spread.
+    """1 where one of the effect's sizes, or that of one of a bank's shapes, is well above its spread on its
+    surest joint, less where it is not. Beside what the arm's description states a size is as uncertain as
+    that is, and it is enough that it is above its spread.
     """
     own = kind.own_parameters(term.form)
     sizes = [
         abs(values[lead.name] - (lead.absent if lead.scale == "linear" else 0.0))  # endless is no surer
         / max(std.get((term.effect, lead.name, c), 0.0), TINY)
-        for lead in (own if issubclass(kind, Bank) else [leading(own)])
+        for lead in own
+        if issubclass(kind, Bank) or lead is leading(own) or lead.name in kind.sizes
         for c, values in term.own.items()
         if lead.name in values and lead.name not in term.given
     ]

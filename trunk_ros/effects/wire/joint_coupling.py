@@ -42,7 +42,7 @@ class JointCoupling(Effect):
         "drag: presliding friction between two wires, Dahl (1968) in its play form."
     )
     forms = ("angle", "behind", "drag")
-    refined = ("behind", "drag")
+    refined = ("behind",)
     parameters = (
         *(_gain(k) for k in range(1, SOURCES + 1)),
         Parameter("drag", "1", (-5.0, 5.0), "share of the first source's motion taken along", typical=0.1),
@@ -80,6 +80,10 @@ class JointCoupling(Effect):
     def _slides(self, now: Now) -> bool:
         dragging = zip(self.words.get("source", ()), self["reach"], strict=False)
         return all(2.0 * r < np.ptp(now.wires[:, now.joints.index(s)]) for s, r in dragging if s)
+
+    @classmethod
+    def title(cls, form: str | None = None) -> str:
+        return "Another joint's wire drags this joint's along" if form == "drag" else super().title()
 
     @classmethod
     def own_parameters(cls, form: str) -> tuple[Parameter, ...]:
