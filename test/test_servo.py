@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from test.effects.example import arm_of, motion, stamps
 from trunk_ros.chain import Chain
 from trunk_ros.compiled import Array
-from trunk_ros.effects.servo.loop import servo_loop, servo_loops
+from trunk_ros.effects.servo.loop import EDGE, beyond, servo_loop, servo_loops
 from trunk_ros.model import Model, load_model
 from trunk_ros.nodes.bus import SimulatedBus
 from trunk_ros.stage import speeds
@@ -278,6 +278,12 @@ def test_joints_side_by_side_come_out_as_each_by_itself(held: float) -> None:
         servo_loop(*some, 0, state, alone)
         assert np.array_equal(alone[:, 0], together[:, j])
         assert np.array_equal(state[:, 0], after[:, j])
+
+
+def test_a_dead_zone_lets_through_what_is_beyond_its_edge() -> None:
+    errors, zone = np.linspace(-0.02, 0.02, 4001), 0.01
+    through = errors * np.clip((np.abs(errors) / zone - 1.0) / EDGE + 0.5, 0.0, 1.0)
+    assert np.array_equal([beyond(error, zone) for error in errors], through)
 
 
 @pytest.mark.parametrize("later", [0.0, 0.002, 0.009])

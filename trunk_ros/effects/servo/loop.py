@@ -29,6 +29,19 @@ def at(numbers: Array, row: int, column: int) -> float:
 
 
 @compiled
+def beyond(error: float, zone: float) -> float:
+    """What a loop answers to of an error; clear of the zone's edge without the divisions, for which each step
+    would wait.
+    """
+    size = abs(error)
+    if size >= zone * (1.0 + EDGE):
+        return error
+    if size <= zone * (1.0 - EDGE):
+        return 0.0 * error
+    return error * min(max((size / zone - 1.0) / EDGE + 0.5, 0.0), 1.0)
+
+
+@compiled
 def servo_loop(
     setpoint: Array,
     stamp: Array,
@@ -102,8 +115,13 @@ def servo_loop(
                             tension -= rubs * (phi - stuck) / reach[j]
                     error = target + (1.0 - past) * tension - phi
                     if zone > 0.0:
-                        error *= min(max((abs(error) / zone - 1.0) / EDGE + 0.5, 0.0), 1.0)
-                    v_ref = min(max(gain * error, -most), most) + gain * past * tension
+                        error = beyond(error, zone)
+                    v_ref = gain * error
+                    if v_ref > most:
+                        v_ref = most
+                    elif v_ref < -most:
+                        v_ref = -most
+                    v_ref += gain * past * tension
                     v += smooth * (v_ref - v)
                     phi += h * v
             out[k - skip, j] = phi
@@ -203,7 +221,7 @@ def servo_loops(
                     for j in range(columns):
                         zone = dead_zone[k - skip, j]
                         if zone > 0.0:
-                            error[j] *= min(max((abs(error[j]) / zone - 1.0) / EDGE + 0.5, 0.0), 1.0)
+                            error[j] = beyond(error[j], zone)
                 for j in range(columns):
                     goes_on = i < substeps[j]
                     v_ref = kp[j] * error[j]
