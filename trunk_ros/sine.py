@@ -16,13 +16,12 @@ def sine(x: float) -> float:
     half_turns = (x * (1 / np.pi) + TO_WHOLE) - TO_WHOLE
     r = x - half_turns * np.pi - half_turns * PI_REST
     s = r * r
-    p = -7.647163731819816e-13
-    p = p * s + 1.6059043836821613e-10
-    p = p * s - 2.505210838544172e-08
-    p = p * s + 2.7557319223985893e-06
-    p = p * s - 1.9841269841269841e-04
-    p = p * s + 8.333333333333333e-03
-    p = p * s - 1.6666666666666666e-01
+    ss = s * s
+    low = (-1.6666666666666666e-01 + 8.333333333333333e-03 * s) + (
+        -1.9841269841269841e-04 + 2.7557319223985893e-06 * s
+    ) * ss
+    high = (-2.505210838544172e-08 + 1.6059043836821613e-10 * s) - 7.647163731819816e-13 * ss
+    p = low + high * (ss * ss)
     odd = half_turns - 2.0 * ((half_turns * 0.5 + TO_WHOLE) - TO_WHOLE)
     return (r + r * s * p) * (1.0 - 2.0 * odd * odd)
 
