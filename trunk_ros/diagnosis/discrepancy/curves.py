@@ -216,18 +216,19 @@ def _begun(context: Context, bare: Hypothesis, column: int, place: Place) -> Arr
     """
     nothing = np.zeros(KNOTS)
 
-    def left(values: Array) -> float:
-        trial = with_curve(bare, place, column, values)
-        return float(np.sum(context.whitened(trial, column) ** 2))
+    def best(tried: Sequence[Array]) -> Array:
+        trials = [(with_curve(bare, place, column, values), column) for values in tried]
+        left = [float(np.sum(rest**2)) for rest in context.whitened_each(trials)]
+        return tried[int(np.argmin(left))]
 
     if place.curve.hides:
-        best = min(np.multiply.outer(ZONES, np.ones(KNOTS)), key=left)
-        return min(np.multiply.outer(NEAR, best), key=left)
+        constant = best([*np.multiply.outer(ZONES, np.ones(KNOTS))])
+        return best([*np.multiply.outer(NEAR, constant)])
     if place.curve.ahead:
         behind, _ = smoothed(
             design_of(context, column, place), context.whitened(bare, column), place.curve.bend()
         )
-        return min(nothing, behind, key=left)
+        return best([nothing, behind])
     return nothing
 
 

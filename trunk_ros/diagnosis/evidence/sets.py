@@ -47,9 +47,9 @@ def pairs(
 def _changes(looks: Looks, column: int, but: Collection[str]) -> Changes:
     screen = looks.screen
     some = [one for one in looks.promising(column, but) if effect(one.effect).scalable]
-    there = [extended(screen.context, screen.hypothesis, one) for one in some]
+    there = [(extended(screen.context, screen.hypothesis, one), column) for one in some]
     out: Changes = {}
-    for one, change in zip(some, screen.changes(there, column), strict=True):
+    for one, change in zip(some, screen.changes(there), strict=True):
         out.setdefault(one.effect, []).append((one, screen.beyond_values(change, column)))
     return out
 

@@ -18,6 +18,7 @@ from trunk_ros.diagnosis.search.score import FURTHER, chance, may_be_for_a_time,
 from trunk_ros.diagnosis.search.size import different, merit, reach, scaled, too_large
 from trunk_ros.diagnosis.search.starts import Starts, whens
 from trunk_ros.diagnosis.search.windows import Prices, Reach, Window, best_course, best_window
+from trunk_ros.diagnosis.side_by_side import Seen
 from trunk_ros.effects import Effect, effect
 from trunk_ros.guards import ROUNDED
 from trunk_ros.parameter import leading
@@ -75,12 +76,11 @@ class Screen:
             left, rd, dd = left - along @ step, rd - along @ bend, dd - across @ bend
         return float(left - max(gain, rd**2 / max(dd, ROUNDED)) / PROMISED)
 
-    def products(self, candidates: Sequence[Candidate], column: int) -> list[tuple[float, float]]:
-        """(rest . d, d . d) of each candidate's change of the prediction, as far as the fitted terms cannot
-        follow it.
-        """
+    def products(self, candidates: Sequence[Candidate], columns: Sequence[int]) -> list[tuple[float, float]]:
+        """(rest . d, d . d) of each candidate's change d of a column, as far as no fitted term follows."""
         there = [extended(self.context, self.hypothesis, candidate) for candidate in candidates]
-        return [self._look(d, column) for d in self.changes(there, column)]
+        changes = self.changes([*zip(there, columns, strict=True)])
+        return [self._look(*each) for each in zip(changes, columns, strict=True)]
 
     def beyond_values(self, d: Array, column: int) -> Array:
         """(rows,) of a column as far as the fitted values cannot follow it, linearly."""
@@ -93,13 +93,13 @@ class Screen:
 
     def change(self, there: Hypothesis, column: int) -> Array:
         """(rows,) unit noise by which another hypothesis changes the prediction."""
-        return next(self.changes([there], column))
+        return next(self.changes([(there, column)]))
 
-    def changes(self, there: Sequence[Hypothesis], column: int) -> Iterator[Array]:
-        """The same of several hypotheses."""
-        context, most = self.context, self.context.together
-        for k in range(0, len(there), most):
-            for rest in context.whitened_each([(one, column) for one in there[k : k + most]]):
+    def changes(self, there: Sequence[Seen]) -> Iterator[Array]:
+        """The same of several hypotheses, each of one joint."""
+        for k in range(0, len(there), most := self.context.together):
+            some = there[k : k + most]
+            for rest, (_, column) in zip(self.context.whitened_each(some), some, strict=True):
                 yield self.rest[column] - rest
 
     def lasting(self, candidate: Candidate, columns: list[int]) -> Candidate | None:
@@ -205,7 +205,7 @@ class Screen:
 
     def _scaled(self, trials: list[Candidate], column: int) -> list[Candidate]:
         """Candidates on one column at their best sizes, but for what cannot help."""
-        pairs = zip(trials, self.products(trials, column), strict=True)
+        pairs = zip(trials, self.products(trials, [column] * len(trials)), strict=True)
         return [better for t, look in pairs if (better := scaled(effect(t.effect), t, *look))]
 
     def _forms(self, kind: type[Effect], column: int) -> tuple[str, ...]:
@@ -248,19 +248,21 @@ class Screen:
         self, kind: type[Effect], form: str, also: dict[str, float]
     ) -> Iterator[tuple[Candidate, Products]]:
         """Each choice of the shared values, with every joint's best choice of its own."""
-        columns = self.context.columns
-        starts = {c: list(self.starts.on(kind, form, c)) for c in columns}
+        starts = {c: list(self.starts.on(kind, form, c)) for c in self.context.columns}
         names = [p.name for p in kind.own_parameters(form) if p.shared]
         shared = [{n: s[n] for n in names if n in s} | also for each in starts.values() for s in each]
-        for values in different(shared):
-            own, products = {}, {}
-            for c in columns:
-                bare = [{n: v for n, v in s.items() if n not in names} for s in starts[c]]
-                options = different([{**s, **values} for s in bare])
-                looks = self.products([Candidate(kind.id, form, c, s) for s in options], c)
-                best = max(range(len(looks)), key=lambda k: merit(kind, form, *looks[k]))
-                own[c], products[c] = options[best], looks[best]
-            yield Candidate(kind.id, form, None, own[columns[0]], own=own), products
+        for values in different(shared):  # of all joints side by side
+            options = {
+                c: different([{n: v for n, v in s.items() if n not in names} | values for s in some])
+                for c, some in starts.items()
+            }
+            trials = [Candidate(kind.id, form, c, s) for c, some in options.items() for s in some]
+            looks = iter(self.products(trials, [c for c, some in options.items() for _ in some]))
+            seen = {c: [(s, next(looks)) for s in some] for c, some in options.items()}
+            best = {c: max(some, key=lambda one: merit(kind, form, *one[1])) for c, some in seen.items()}
+            own = {c: start for c, (start, _) in best.items()}
+            on_all = Candidate(kind.id, form, None, next(iter(own.values())), own=own)
+            yield on_all, {c: look for c, (_, look) in best.items()}
 
     def _on_those_that_gain(self, kind: type[Effect], trial: Candidate, each: Products) -> Candidate | None:
         """On all joints; where a joint has values of its own, on those that a linear look finds better

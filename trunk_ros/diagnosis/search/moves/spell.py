@@ -121,7 +121,7 @@ def _seen(now: Fit, one: Sized) -> Window | None:
     bare, screen = one.without(now.hypothesis), Screen(now.context, now.hypothesis, columns)
 
     def whole(column: int) -> Array:
-        there, without = screen.changes([always, bare], column)
+        there, without = screen.changes([(always, column), (bare, column)])
         return there - without
 
     return screen.window({c: whole(c) for c in columns}, (-np.inf, np.inf), once=True)
