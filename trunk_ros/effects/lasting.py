@@ -27,7 +27,7 @@ def shown_between(stamp: Array) -> tuple[float, float]:
 
 def lasts(e: Effect) -> bool:
     """Whether an effect acts all the time."""
-    return NULLS.keys().isdisjoint(e.values)
+    return NULLS.keys().isdisjoint(e.values.keys())  # of two views the shorter one is gone through
 
 
 def acting(e: Effect, now: Now) -> Array:

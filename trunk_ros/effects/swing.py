@@ -9,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from trunk_ros.compiled import Array, compiled
+from trunk_ros.guards import ROUNDED
 
 STANDS = 0.03  # of its range: a gearbox that keeps within this stands
 AT_LEAST = 0.5  # s
@@ -76,5 +77,7 @@ def _swing(stamp: Array, moments: Array, omega: Array, zeta: Array, out: Array) 
         if last >= 0:
             since, dies = stamp[k] - moments[last], min(zeta[last], 1.0)
             envelope = np.exp(-dies * omega[last] * since)
+            if envelope < ROUNDED:  # it has died away
+                continue
             turned = omega[last] * np.sqrt(1.0 - dies * dies) * since
             out[k, 0], out[k, 1] = envelope * np.cos(turned), envelope * np.sin(turned)
