@@ -130,7 +130,14 @@ class Sums:
         )
         return Tried(self._left(at, fits), fits)
 
-    def begun(self, now: Tried, further: int) -> list[Weighed] | None:
+    def beside(self, chosen: Sequence[int], further: int, worth: float, now: Tried) -> Tried:
+        """The same with a further source beside those of ``now``; known where these are chosen once more."""
+        key = (*chosen, further), worth
+        if key not in self._known:
+            self._known[key] = self.tried([*chosen, further], worth, self._begun(now, further))
+        return self._known[key]
+
+    def _begun(self, now: Tried, further: int) -> list[Weighed] | None:
         """What fits with a further source go on from, as those ``now`` have found what is beside it."""
         new = np.ones(len(self.groups[further]))
         return [
@@ -150,8 +157,7 @@ class Sums:
         ]
         out = {}
         for k, first, last in zip(rest, ends[:-1], ends[1:], strict=True):
-            places = len(there) + np.arange(first, last)
-            fits = [fold.weighed(places, self.groups[k]) for fold in folds]
+            fits = [fold.weighed(first, last, self.groups[k]) for fold in folds]
             out[k] = float(self._left(self._places([*chosen, k]), fits).sum())
         return out
 
@@ -178,6 +184,11 @@ class Sums:
             float(share @ self.power),
             float(share @ self.count),
         )
+
+    @cached_property
+    def _known(self) -> dict[tuple[tuple[int, ...], float], Tried]:
+        """By the sources in the order in which they were chosen, and what samples are worth."""
+        return {}
 
     @cached_property
     def _all(self) -> Total:
@@ -254,7 +265,7 @@ def _more(
         if sum(sums.many(k) for k in chosen) > MANY:
             looks = sums.looked(chosen, worth, best)
             room = sorted(room, key=lambda k: looks[k])[:REFITTED]
-        trials = {k: sums.tried([*chosen, k], worth, sums.begun(best, k)) for k in room}
+        trials = {k: sums.beside(chosen, k, worth, best) for k in room}
         least, k = min(((trial.unseen, k) for k, trial in trials.items()), default=(np.inf, 0))
         if least > (1.0 - pays) * best.unseen:
             return chosen, best

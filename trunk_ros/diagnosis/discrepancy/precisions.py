@@ -34,9 +34,8 @@ class Total:
 
     def left(self, at: np.ndarray, weights: Array) -> float:
         """Power that weights (of columns at some places,) leave."""
-        placed = np.zeros(len(self.side))
-        placed[at] = weights
-        return self.power + float(placed @ (self.normal @ placed) - 2.0 * self.side @ placed)
+        there = self.normal[np.ix_(at, at)] @ weights - 2.0 * self.side[at]
+        return self.power + float(weights @ there)
 
 
 @dataclass(frozen=True)
@@ -93,21 +92,21 @@ class Beside:
 
     def __init__(self, total: Total, sizes: Sequence[int], there: Weighed):
         """``total``: with those of ``there`` first."""
-        own = np.repeat(there.precision, sizes) + _least(total)[: sum(sizes)]
-        self.total, self.there = total, there
-        self.many = sum(sizes)
-        self.factor = _factor(there.sharp * total.normal[: self.many, : self.many], own)
+        many, sharp = sum(sizes), there.sharp
+        self.total, self.there, self.many, self.least = total, there, many, _least(total)
+        own = np.repeat(there.precision, sizes) + self.least[:many]
+        self.factor = _factor(sharp * total.normal[:many, :many], own)
+        self.across = np.asarray(dtrtrs(self.factor, sharp * total.normal[:many, many:], lower=1)[0])
+        self.along = np.asarray(dtrtrs(self.factor, sharp * total.side[:many], lower=1)[0])
 
-    def weighed(self, at: np.ndarray, sizes: Sequence[int]) -> Weighed:
-        """With the columns at some places, in groups of some sizes."""
-        total, many, sharp = self.total, self.many, self.there.sharp
-        both = sharp * total.normal[:many, at]
-        across = np.asarray(dtrtrs(self.factor, both, lower=1)[0])
-        along = np.asarray(dtrtrs(self.factor, sharp * total.side[:many], lower=1)[0])
-        inside = sharp * total.normal[np.ix_(at, at)] - across.T @ across
+    def weighed(self, first: int, last: int, sizes: Sequence[int]) -> Weighed:
+        """With some of the further columns, in groups of some sizes."""
+        total, sharp, along, across = self.total, self.there.sharp, self.along, self.across[:, first:last]
+        at = slice(self.many + first, self.many + last)
+        inside = sharp * total.normal[at, at] - across.T @ across
         side = sharp * total.side[at] - across.T @ along
         begun = Weighed(np.empty(0), np.ones(len(sizes)), 1.0)
-        new = _in_turns(inside, side, _least(total)[at], sizes, begun, lambda *_: 1.0)
+        new = _in_turns(inside, side, self.least[at], sizes, begun, lambda *_: 1.0)
         old = np.asarray(dtrtrs(self.factor, along - across @ new.weights, lower=1, trans=1)[0])
         weights = np.concatenate([old, new.weights])
         return Weighed(weights, np.concatenate([self.there.precision, new.precision]), sharp)
