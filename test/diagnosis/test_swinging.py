@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.signal import TransferFunction, lsim
 
 from test.concealed.bag import write_bag
 from test.concealed.mujoco_case import draw_mujoco_case
@@ -40,3 +41,20 @@ def test_a_link_that_swings_is_told_by_the_masses_that_shake_it(seed: int, tmp_p
 
     other, column = read_recording(tmp_path / "test"), int(joint[-1]) - 1
     assert error(result.model, other)[column] < 0.15 * error(load_model("trunk"), other)[column]
+
+
+@pytest.mark.parametrize("damping", [0.3, 0.6, 0.9])
+def test_a_link_that_its_wire_damps_is_told_whether_it_rings_or_not(damping: float) -> None:
+    """The damping is nowhere else: an oscillator of another package (SciPy) moves the link."""
+    stamp = np.arange(0.0, 40.0, 0.01)
+    begun, far = np.arange(0.5, 40.0, 1.2), np.random.default_rng(3).uniform(-0.4, 0.4, 33)
+    share = np.clip((stamp[:, None] - begun) / 0.4, 0.0, 1.0)
+    motor = (3 * share**2 - 2 * share**3) @ np.diff(far, prepend=0.0)
+    omega = 2 * np.pi * 5.0
+    link = TransferFunction([2 * damping * omega, omega**2], [1.0, 2 * damping * omega, omega**2])
+    joint = lsim(link, motor, stamp)[1] + 1e-4 * np.random.default_rng(4).standard_normal(len(stamp))
+    recording = Recording.from_arrays(stamp, motor=motor, joint=joint, joints=["a"], unit="rad")
+    (found,) = diagnose(recording, model="direct").findings
+    assert (found.effect, found.evidence["form"]) == ("link_resonance", "relative")
+    told = {name: value["value"] for name, value in found.parameters["a"].items()}
+    assert told == pytest.approx({"frequency": 5.0, "damping": damping}, rel=0.05)

@@ -99,3 +99,10 @@ def test_what_grows_does_so_while_the_joint_moves() -> None:
 def test_a_slip_at_an_edge_of_the_recording_is_not_seen(onset: float, shown: bool) -> None:
     slip = Term("wire_slip", own={1: {"step": 1e-3, "onset": onset}})
     assert (hidden(context("clean"), slip) == []) == shown
+
+
+@pytest.mark.parametrize(("form", "shown"), [("relative", True), ("held", True), ("absolute", False)])
+def test_a_link_that_does_not_ring_is_seen_where_its_wire_damps_it(form: str, shown: bool) -> None:
+    """Damped against the arm it lags, as behind any damper."""
+    damped = Term("link_resonance", form, own={1: {"frequency": 5.0, "damping": 0.6}})
+    assert (hidden(context("clean"), damped) == []) == shown

@@ -86,9 +86,12 @@ class LinkResonance(Effect):
     )
 
     def credible(self, now: Now, beside: bool = False) -> bool:
-        """It rings, and the samples are close enough to show it."""
+        """It rings, where the arm damps it: a link that does not is one that lags. A wire that damps lets the
+        link overshoot however strongly it does. And the samples are close enough to show it.
+        """
         step = float(np.median(now.dt[1:])) if len(now.dt) > 1 else 0.0
-        return bool(np.all((self["damping"] < 0.4) & (self["frequency"] * step < 1.0)))
+        rings = (self["damping"] < 0.4) | (self.form not in ("absolute", "beam"))
+        return bool(np.all(rings & (self["frequency"] * step < 1.0)))
 
     @classmethod
     def forms_shown(cls, motion: Motion) -> tuple[str, ...]:
