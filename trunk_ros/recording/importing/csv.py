@@ -15,6 +15,7 @@ from trunk_ros.recording.messages.block import Whole
 from trunk_ros.recording.recording import Counts, Floats, JointSeries, Recording
 from trunk_ros.recording.remarks import series_remarks
 from trunk_ros.recording.restarts import began_anew
+from trunk_ros.recording.signal.gaps import GAP
 from trunk_ros.recording.topics import TOPICS
 
 _LATEST_NS = (2**31) * 10**9
@@ -51,7 +52,7 @@ def read_csv(path: str | Path, mapping: Mapping | str | Path) -> Recording:
         for key, each in kept.items()
     }
     full = {key: Counts(len(each.stamp), not_finite=_not_finite(each)) for key, each in series.items()}
-    timing += _left_out(len(every_ns), told, kept)
+    timing += _left_out(every_ns, told, kept)
     notes = tuple(remarks + timing + time_remarks(mapping, series) + series_remarks(series, full))
     units = {joint: unit for joint, unit in mapping.units().items() if unit != "rad"}
     duration = max(float(each.stamp[-1]) for each in series.values())
@@ -99,13 +100,32 @@ def _told(values: list[Floats]) -> Whole:
     return rows if len(rows) else np.arange(len(values[0]))
 
 
-def _left_out(rows: int, told: dict[str, Whole], kept: dict[str, Whole]) -> list[str]:
+def _blank(every_ns: Whole, told: Whole) -> int:
+    """Rows in which a topic says nothing though it was due, by its own pace: other topics have rows between
+    its own. A pace that falls between those rows takes now one more of them, now one less.
+    """
+    seen = np.sort(every_ns[told])
+    steps = np.diff(seen)
+    steps = steps[steps > 0]
+    if len(told) == len(every_ns) or not len(steps):
+        return len(every_ns) - len(told)
+    usual = float(np.median(steps))
+    pace = float(np.mean(steps[steps <= 2 * usual]))
+    late = np.diff(seen) > GAP * pace
+    least = usual if late.any() else pace
+    rest = np.sort(np.delete(every_ns, told))
+    after = np.searchsorted(seen, rest, side="right")
+    due = np.concatenate([[seen[0] - rest[0] >= least], late, [rest[-1] - seen[-1] >= least]])
+    return int(np.count_nonzero(due[after] & ~np.isin(rest, seen)))
+
+
+def _left_out(every_ns: Whole, told: dict[str, Whole], kept: dict[str, Whole]) -> list[str]:
     """What is said of rows that are no messages of a topic: those that were not ``told``, and repeated
     stamps, of which one was ``kept``.
     """
     said: dict[str, list[str]] = {}
     for key, each in told.items():
-        if blank := rows - len(each):
+        if blank := _blank(every_ns, each):
             said.setdefault(f"{blank} rows hold no value, left out", []).append(TOPICS[key])
         if repeated := len(each) - len(kept[key]):
             text = f"{repeated} rows repeated a stamp: the first of each counts"
