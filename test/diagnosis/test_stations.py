@@ -16,6 +16,8 @@ from trunk_ros.chain import Chain
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.data.align import wire_span
 from trunk_ros.diagnosis.data.excerpt import excerpt
+from trunk_ros.diagnosis.data.rests import one_of_each_rest
+from trunk_ros.errors import RecordingError
 from trunk_ros.model import Model, load_model
 from trunk_ros.recording.recording import JointSeries, Recording
 
@@ -24,9 +26,11 @@ COUNT, STAND, MOVE = 180, 200, 150  # stations, samples of each, and in which th
 diagnose = partial(arms.diagnose, model=SHORT)
 
 
-def visited(effects: dict[str, Any] | None = None, seed: int = 0, beyond: float = 0.0) -> Recording:
-    """Setpoints, gearbox and joints, a sample of each just before the arm moves on; ``beyond``: part of each
-    way that the drives go further first.
+def visited(
+    effects: dict[str, Any] | None = None, seed: int = 0, beyond: float = 0.0, read: int = 1
+) -> Recording:
+    """Setpoints, gearbox and joints, so many samples of each just before the arm moves on; ``beyond``: part
+    of each way that the drives go further first.
     """
     model = Model(SHORT.arm, effects or {})
     rng = np.random.default_rng(seed)
@@ -38,11 +42,11 @@ def visited(effects: dict[str, Any] | None = None, seed: int = 0, beyond: float 
     setpoints = np.vstack([a + eased * (b - a) for a, b in itertools.pairwise(stations)])
     phi, _ = Chain(model, "servo").run(setpoints, stamp)
     theta, _ = Chain(model, "wire").run(phi, stamp)
-    rows = np.arange(STAND - 1, len(stamp), STAND)
+    rows = np.flatnonzero(np.arange(len(stamp)) % STAND >= STAND - read)
     seen: dict[str, Array] = {
         "setpoints": setpoints[rows],
         "gearbox_states": phi[rows],
-        "joint_states": theta[rows] + NOISE * rng.normal(size=(COUNT, len(joints))),
+        "joint_states": theta[rows] + NOISE * rng.normal(size=(len(rows), len(joints))),
     }
     series = {key: JointSeries(stamp[rows], joints, position) for key, position in seen.items()}
     return Recording("stations", 0, float(stamp[-1]), series)
@@ -71,8 +75,37 @@ def test_what_differs_from_one_station_to_the_next_is_not_taken_for_noise(
     assert result.verdict in ("explained", "partly_explained")
 
 
-def test_stations_of_a_nominal_arm_show_nothing() -> None:
-    assert diagnose([visited()]).verdict == "no_mismatch"
+@pytest.mark.parametrize("read", [1, 10])
+def test_stations_of_a_nominal_arm_show_nothing(read: int) -> None:
+    assert diagnose([visited(read=read)]).verdict == "no_mismatch"
+
+
+def test_of_several_readings_at_a_station_the_medians_count() -> None:
+    """The motors have begun to move on by the last ones."""
+    seen = of_the_wires(visited({"backlash": {"half_width": arms.on(2, 2e-3, 3)}}, read=10))
+    seen.series["gearbox_states"].position[9::10] += 0.01
+    rests = one_of_each_rest(seen)
+    assert [len(each.stamp) for each in rests.series.values()] == [COUNT, COUNT]
+    gone = seen.series["gearbox_states"].position[5::10] - rests.series["gearbox_states"].position
+    assert np.abs(gone).max() < 1e-4
+    (note,) = rests.notes
+    assert note.startswith(f"read at {COUNT} rests, 10 times at each")
+    result = diagnose([seen])
+    assert [f.effect for f in result.findings] == ["backlash"]
+    assert result.model.effects["backlash"]["half_width"][1] == pytest.approx(2e-3, rel=0.03)
+
+
+def test_motions_with_pauses_of_the_recorder_are_no_stations() -> None:
+    recording = arms.recorded(nominal=SHORT)
+    paused = {key: one.rows(one.stamp % 2.0 < 1.0) for key, one in recording.series.items()}
+    cut = replace(recording, series=paused)
+    assert one_of_each_rest(cut) is cut
+
+
+def test_of_too_few_stations_it_is_said_how_many_it_takes() -> None:
+    few = visited(read=10).part(0.0, 40.0 * STAND / RATE)
+    with pytest.raises(RecordingError, match="read at 40 rests, each of which counts once: stop 50 times"):
+        diagnose([of_the_wires(few)])
 
 
 def test_drives_that_settle_from_beyond_are_no_narrower_dead_band() -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
@@ -16,6 +17,7 @@ from trunk_ros.diagnosis.data.align import common_joints, hidden_by_gaps, servo_
 from trunk_ros.diagnosis.data.mix_ups import MixUp, as_if_standing
 from trunk_ros.diagnosis.data.other_simulator import shifted
 from trunk_ros.diagnosis.data.quality import quality_by_name
+from trunk_ros.diagnosis.data.rests import of_few_rests
 from trunk_ros.diagnosis.data.sensing.thinned import how_far_off
 from trunk_ros.diagnosis.drawn import drawn
 from trunk_ros.diagnosis.evidence.at_rest import honest
@@ -154,10 +156,8 @@ class Diagnoser:
         if not seen and not self.result.unexplained:
             still = f"no joint moves for {LEAST} samples or more: "
             still += "record a motion that moves the joints, over a longer time"
-            why = next(
-                filter(None, (say(r) for r in self.recordings for say in (of_one_stamp, hidden_by_gaps))),
-                still,
-            )
+            say = (of_one_stamp, hidden_by_gaps, partial(of_few_rests, least=LEAST))
+            why = next(filter(None, (each(r) for r in self.recordings for each in say)), still)
             raise RecordingError(f"{', '.join(r.name for r in self.recordings)}: {why}")
 
     def servo(self) -> None:

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 from trunk_ros.diagnosis.data.mix_ups import MixUp, mix_ups, without_mix_ups, without_torque
 from trunk_ros.diagnosis.data.names import refuse_misnamed
+from trunk_ros.diagnosis.data.rests import one_of_each_rest
 from trunk_ros.diagnosis.data.sensing.clocks import clocks_put_right
 from trunk_ros.diagnosis.data.sensing.readings import readings_put_right
 from trunk_ros.diagnosis.data.sensor_faults import without_faults
@@ -19,7 +20,7 @@ def put_right(recordings: list[Recording], model: Model) -> tuple[list[Recording
 
     Raises RecordingError where a joint has two names.
     """
-    named = [by_joint(r, model.arm) for r in recordings]
+    named = [one_of_each_rest(by_joint(r, model.arm)) for r in recordings]
     for recording in named:
         refuse_misnamed(recording, model)
     read = [without_faults(readings_put_right(r, model)) for r in named]
@@ -37,7 +38,7 @@ def as_diagnosed(recording: Recording, model: Model) -> Recording:
     up stays as it is, and clocks with it, as they are told by units and names that are right.
     """
     bare = replace(model, effects={})
-    right = without_faults(readings_put_right(by_joint(recording, bare.arm), bare))
+    right = without_faults(readings_put_right(one_of_each_rest(by_joint(recording, bare.arm)), bare))
     found = mix_ups(right, bare)
     right, mixed = without_torque(right, found), [one for one in found if one.certain]
     if mixed:
