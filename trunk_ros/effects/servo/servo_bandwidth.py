@@ -1,6 +1,7 @@
-"""The position loop is slower or faster than nominal."""
+"""The position loop is slower or faster than nominal, or its velocity loop is."""
 
 from collections.abc import Mapping
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -11,13 +12,16 @@ from trunk_ros.parameter import Parameter
 
 
 class ServoBandwidth(Effect):
-    """Kp (1 + relative)."""
+    """Kp (1 + relative), tau_v (1 + velocity_loop)."""
 
     id = "servo_bandwidth"
-    sizes = ("relative",)
+    sizes = ("relative", "velocity_loop")
     stage, place, regime = "servo", 100, "high_speed"
     signature = "The gearbox lags the setpoint in proportion to speed, more or less than nominal."
-    source = "Position loop with gain Kp: velocity lag v/Kp."
+    source = (
+        "Position loop with gain Kp: velocity lag v/Kp; a velocity loop that takes tau_v lags it by tau_v/Kp "
+        "times the acceleration."
+    )
     parameters = (
         Parameter(
             "relative",
@@ -28,11 +32,22 @@ class ServoBandwidth(Effect):
             shared=True,
             relative=True,
         ),
+        Parameter(
+            "velocity_loop",
+            "1",
+            (-0.95, 9.0),
+            "relative error of the velocity loop's time constant",
+            typical=0.1,
+            shared=True,
+            optional=True,
+            relative=True,
+        ),
     )
     forms = ("alike", "apart")
     apart = "apart"
     everywhere = begins = True
     changes = "kp"
+    multiplies = MappingProxyType({"tau_v": "velocity_loop"})
     compensable = False
     imitated_by = ("thinned", "wandering_latency")
     confused_with = (
@@ -45,3 +60,10 @@ class ServoBandwidth(Effect):
 
     def adjust(self, core: Core, now: Now) -> None:
         core.kp = core.kp * (1.0 + self["relative"])
+        if np.any(self["velocity_loop"]):
+            core.tau_v = core.tau_v * (1.0 + self["velocity_loop"])
+
+    @classmethod
+    def own_parameters(cls, form: str) -> tuple[Parameter, ...]:
+        gain, velocity_loop = cls.parameters
+        return (cls.of_each()[0], velocity_loop) if form == cls.apart else (gain, velocity_loop)
