@@ -37,6 +37,7 @@ def main(argv: list[str]) -> int:
     from trunk_ros.diagnosis.data.quality import strangers
     from trunk_ros.diagnosis.data.sensing import turns_counted_on
     from trunk_ros.diagnosis.data.sensor_faults import without_wild
+    from trunk_ros.evaluate.speeds import too_slow
     from trunk_ros.model import load_model
     from trunk_ros.own_time import doubtful_curves
     from trunk_ros.recording.output import prepare_output
@@ -51,6 +52,8 @@ def main(argv: list[str]) -> int:
     say(*(f"{asked.bag}: {note}" for note in said_of(recording)))
     say(*(f"{asked.bag}: {note}" for note in strangers(by_joint(recording, model.arm), model)))
     say(*(f"{asked.bag}: {note}" for note in doubtful_curves(recording, model)))
+    if asked.source == "setpoints":
+        say(*(f"{asked.bag}: {note}" for note in too_slow(recording, model)))
     predicted = simulate(recording, model, asked.source, asked.settle)
     settled = str(asked.settle if "joint_states" in recording.series else 0.0)
     custom = {

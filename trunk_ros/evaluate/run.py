@@ -18,6 +18,7 @@ from trunk_ros.diagnosis.words import significant
 from trunk_ros.errors import ArgumentError
 from trunk_ros.evaluate.score import Row, score
 from trunk_ros.evaluate.source import Prediction, of_model, of_simulator
+from trunk_ros.evaluate.speeds import too_slow
 from trunk_ros.model import Model, load_model
 from trunk_ros.own_time import doubtful_curves
 from trunk_ros.recording.read import read_recording
@@ -75,6 +76,7 @@ def _of_models(
         arm = replace(model, effects={}, recordings=()).hash()
         read[arm] = right = read.get(arm) or as_diagnosed(recording, model)
         doubts = [*strangers(by_joint(recording, model.arm), model), *doubtful_curves(recording, model)]
+        doubts += too_slow(right, model)
         notes += [*said_of(right), *(f"{doubt} ({name})" for doubt in doubts)]
         predictions.append(of_model(right, name, model))
     return predictions, notes
