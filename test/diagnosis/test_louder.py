@@ -66,6 +66,14 @@ def test_sensors_are_alike_where_most_agree() -> None:
     assert Louder().at(SPEED, 0) == 1.0
 
 
+def test_a_zero_is_no_noise_that_goes_with_the_speed() -> None:
+    louder, noise, zero = Louder((Growth(15.0),)), _loud(15.0), np.full(len(SPEED), 0.3)
+    even = louder.evened(noise + zero, SPEED, 0, zero=zero) - zero
+    assert even == pytest.approx(louder.evened(noise, SPEED, 0))
+    assert np.std(even) == pytest.approx(NOISE, rel=0.05)
+    assert Louder().evened(noise, SPEED, 0, zero=zero) is noise
+
+
 def test_a_clean_arm_whose_readings_jitter_is_clean() -> None:
     steady = recorded({}, seconds=40.0, noise=0.0)
     jitter = _jittering(steady, 2e-3)

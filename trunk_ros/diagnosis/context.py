@@ -28,6 +28,7 @@ from trunk_ros.effects.effect import Motion, Now
 from trunk_ros.effects.moments import NOTHING, Payload
 from trunk_ros.recording.signal.resample import SLOW
 
+Key = tuple[int, int, Payload, tuple[int, ...] | None]
 LEAST = 50  # valid samples without which a joint cannot be judged
 
 
@@ -47,9 +48,9 @@ class Context:
     """Counts the looks at the arm that differed from the one before."""
     louder: Louder = CONSTANT
     misfit: Mapping[int, float] = field(default_factory=dict)
-    """Squared unit-noise residual above the noise that the nominal arm leaves, by column."""
+    """Squared unit-noise residual above the noise that the nominal arm leaves but for zeros, by column."""
     formed_misfit: Mapping[int, float] = field(default_factory=dict)
-    """The same but for a zero, and a ratio that was not known."""
+    """The same with the right ratio where that was not known, and but for a lag of all joints."""
     wanders: Mapping[int, Noise] = field(default_factory=dict)
     """The noise of columns that show nothing else than one that wanders."""
     claims: bool = False
@@ -63,9 +64,7 @@ class Context:
     """The likeliest noise of what is left of a column, and how likely it is, by all that this depends on."""
     least_needs: dict[int, float] = field(default_factory=dict, init=False, repr=False)  # score's, by column
     off: dict[int, float] = field(default_factory=dict, init=False, repr=False)  # formed's, by column
-    _cache: dict[tuple[int, int, Payload, tuple[int, ...] | None], Now] = field(
-        default_factory=dict, repr=False
-    )
+    _cache: dict[Key, Now] = field(default_factory=dict, repr=False)
 
     # What the stage says.
 
@@ -166,9 +165,7 @@ class Context:
         return float(np.hypot(self.stage.own_steps(column), self.resolution[column]))
 
     def least_noise(self, column: int) -> float:
-        """Squared unit-noise residual of a column that is noise for sure: where a recording stops to measure,
-        what changes from sample to sample may as well be physics.
-        """
+        """Squared unit-noise residual of a column that is noise for sure: between stops it may be physics."""
         return max(1.0 - self.rest(column), 0.0) * self.count(column) if self.step < SLOW else 0.0
 
     def motion(self, column: int) -> Motion:
@@ -253,13 +250,16 @@ class Context:
         ]
 
     def evened(self, hypothesis: Hypothesis, column: int) -> list[Array]:
-        """Residuals of a column, one (n,) a span, in the measure of the noise at rest."""
-        return self.even([self.residual(i, hypothesis, column) for i in range(len(self.views))], column)
+        """Residuals of a column, one (n,) a span, in the noise at rest, all but their zeros."""
+        rests = [self.residual(index, hypothesis, column) for index in range(len(self.views))]
+        zeros = [v.columns[column].middle(rest) for v, rest in zip(self.views, rests, strict=True)]
+        return self.even(rests, column, zeros)
 
-    def even(self, signals: list[Array], column: int) -> list[Array]:
-        """Signals (per span, (n,)) in the measure of the noise at rest."""
-        louder, pairs = self.louder, zip(signals, self.views, strict=True)
-        return [louder.evened(s, v.columns[column].speed, column, v.span.loud) for s, v in pairs]
+    def even(self, signals: list[Array], column: int, zeros: Sequence[Array | None] = ()) -> list[Array]:
+        """Signals (per span, (n,)) in the measure of the noise at rest, all but their ``zeros``."""
+        even, zeros = self.louder.evened, zeros or [None] * len(signals)
+        each = [(view.columns[column].speed, column, view.span.loud) for view in self.views]
+        return [even(s, *loud, zero) for s, loud, zero in zip(signals, each, zeros, strict=True)]
 
     def whiten_change(self, changes: list[Array], column: int) -> Array:
         """A change of the prediction (per span, (n,)) in the same units as ``whitened``."""
@@ -269,10 +269,9 @@ class Context:
 
     def whiten(self, signals: list[Array], column: int) -> Array:
         """Signals (per span, (n,)) that are 0 where nothing counts, as independent unit noise, (rows,)."""
-        parts = []
-        for view, even in zip(self.views, self.even(signals, column), strict=True):
-            seen = view.columns[column]
-            parts.append(seen.those(self.noise[column].whiten(even, seen.follows)))
+        whiten, seen = self.noise[column].whiten, [view.columns[column] for view in self.views]
+        pairs = zip(seen, self.even(signals, column), strict=True)
+        parts = [one.those(whiten(even, one.follows)) for one, even in pairs]
         return np.concatenate(parts) if len(parts) > 1 else parts[0]
 
     # What the motion shows.
@@ -281,9 +280,10 @@ class Context:
         """The spans in which a column counts, the one with most to explain first."""
         if len(self.views) == 1:
             return [0]
-        left = [float(np.sum(self.residual(k, self.known, column) ** 2)) for k in range(len(self.views))]
-        order = np.argsort(-np.array(left), kind="stable")
-        return [int(k) for k in order if left[k] > 0.0] or [0]
+        off = [self.residual(k, self.known, column) for k in range(len(self.views))]
+        seen = [view.columns[column].those(rest) for view, rest in zip(self.views, off, strict=True)]
+        left = [float(np.sum((rest - np.median(np.concatenate(seen))) ** 2)) for rest in seen]
+        return [k for k in sorted(range(len(left)), key=lambda k: -left[k]) if left[k] > 0.0] or [0]
 
     def shown(self, column: int, index: int = 0) -> Now:
         """Surroundings of a column in a span; of a wide loop what counts, and motion that comes through."""

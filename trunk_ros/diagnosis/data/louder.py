@@ -51,13 +51,17 @@ class Louder:
         grows = self.each[column] if self.each else NONE
         return grows.at(speed) if grows.rate else 1.0
 
-    def evened(self, signal: Array, speed: Array, column: int, burst: Array | None = None) -> Array:
+    def evened(
+        self, signal: Array, speed: Array, column: int, burst: Array | None = None, zero: Array | None = None
+    ) -> Array:
         """A signal (n,) of a joint in the measure of its noise at rest; a ``burst`` (n,) is so many times as
-        loud.
+        loud. All but its ``zero`` (n,): a constant, divided by what goes with the speed, looks like noise.
         """
         loud = self.at(speed, column)
-        even = signal if isinstance(loud, float) else signal / loud
-        return even if burst is None else even / burst
+        if zero is None or (isinstance(loud, float) and burst is None):
+            even = signal if isinstance(loud, float) else signal / loud
+            return even if burst is None else even / burst
+        return zero + self.evened(signal - zero, speed, column, burst)
 
     def but_on(self, columns: Collection[int]) -> Louder:
         """The same with noise that does not grow on some joints."""

@@ -38,6 +38,10 @@ class Column(NamedTuple):
         _off(self.target, predicted, self.valid, out)
         return out
 
+    def middle(self, values: Array) -> Array:
+        """(n,) the median of values (n,) where they count, 0 elsewhere."""
+        return np.where(self.valid, np.median(values[self.valid]), 0.0) if self.valid.any() else 0.0 * values
+
     def those(self, values: Array) -> Array:
         """(k,) of values (n,), where they count; a copy."""
         return values[self.counted].copy() if isinstance(self.counted, slice) else values.take(self.counted)
