@@ -23,9 +23,24 @@ by other laws, what was said beside the right names explained up to 0.0008.
 
 
 def measured(first: Fit) -> Context:
-    """The context of a first fit, in which all else is measured by what that leaves."""
-    context, misfit = first.context, {c: first.rest(c) for c in first.cost}
+    """The context of a first fit, in which all else is measured by what that leaves with the right zero."""
+    context = first.context
+    misfit = {c: max(left_but_for_a_zero(first, c) - context.count(c), 0.0) for c in first.cost}
     return replace(context, misfit=misfit, formed_misfit=formed_misfits(first))
+
+
+def left_but_for_a_zero(fit: Fit, column: int) -> float:
+    """Squared unit-noise residual that a fit leaves of a column with the right zero."""
+    rest = but_for_a_zero(fit.context, column, fit.context.whitened(fit.hypothesis, column))
+    return float(rest @ rest)
+
+
+def but_for_a_zero(context: Context, column: int, rest: Array) -> Array:
+    """A whitened ``rest`` (rows,) of a column with the right zero: how far a sensor's is off says nothing of
+    the arm, so that nothing is measured by it.
+    """
+    zero = context.whiten_change([np.ones(len(view.span.rows)) for view in context.views], column)
+    return np.asarray(rest - (rest @ zero) / max(float(zero @ zero), ROUNDED) * zero)
 
 
 def formed_misfits(fit: Fit) -> dict[int, float]:
@@ -67,9 +82,7 @@ def law_of(context: Context, column: int) -> Array:
         )
         asked = view.span.measured(view.span.source[:, column]) * context.arm.ratio[column]
         changes.append(known - geometry + bare - asked)
-    zeros = context.whiten_change([np.ones_like(change) for change in changes], column)
-    law = context.whiten_change(changes, column)
-    return np.asarray(law - (law @ zeros) / max(float(zeros @ zeros), ROUNDED) * zeros)
+    return but_for_a_zero(context, column, context.whiten_change(changes, column))
 
 
 def behind(context: Context, column: int) -> Array:
