@@ -2,7 +2,7 @@
 
 from trunk_ros.effects.core import Core
 from trunk_ros.effects.effect import Effect, Now
-from trunk_ros.parameter import Parameter
+from trunk_ros.parameter import ANY, Parameter
 
 
 class ServoOffset(Effect):
@@ -13,9 +13,7 @@ class ServoOffset(Effect):
     stage, place, regime = "servo", 100, "always"
     signature = "The gearbox stands beside every setpoint by the same amount."
     source = "Homing: the zero of the setpoints is not that of the motor's encoder."
-    parameters = (
-        Parameter("offset", "rad", (-10.0, 10.0), "gearbox angle at a setpoint of zero", typical=1e-3),
-    )
+    parameters = (Parameter("offset", "rad", ANY, "gearbox angle at a setpoint of zero", typical=1e-3),)
     everywhere = True
     confused_with = (
         ("load_droop", "turn the joint so that its load changes sign: an offset stays"),

@@ -6,7 +6,7 @@ import numpy as np
 
 from trunk_ros.compiled import Array
 from trunk_ros.effects.effect import Effect, Now
-from trunk_ros.parameter import Parameter
+from trunk_ros.parameter import ANY, Parameter
 
 
 class ZeroOffset(Effect):
@@ -19,7 +19,7 @@ class ZeroOffset(Effect):
     signature = "The residual has a mean that nothing changes."
     source = "Calibration of the zeros."
     parameters = (
-        Parameter("offset", "rad", (-10.0, 10.0), "joint reading where the gearbox shows zero", typical=1e-3),
+        Parameter("offset", "rad", ANY, "joint reading where the gearbox shows zero", typical=1e-3),
     )
     imitated_by = ("whole_turns", "steps")
     confused_with = (
