@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from math import inf
 from typing import Any, Literal
 
 
@@ -33,12 +34,19 @@ class Parameter:
     """Of a number of the arm, which is multiplied by 1 more than that."""
     carried: bool = False
     """A mass at the tip [kg], which all joints feel."""
+    periodic: bool = False
+    """A phase [rad]: a whole turn more is the same, so that a fit is held by no bounds."""
     stated: str = ""
     """The name under which the arm's description may state it for each joint."""
     slide: str = ""
     """Its unit where a joint's position is in m, of what does not follow from ``unit``: a phase stays one."""
     moment: bool = False
     """A time at which something happens: a fit sees only what lies next to it, so it is looked for."""
+
+    @property
+    def reach(self) -> tuple[float, float]:
+        """How far a fit may move it: a phase as far as it will."""
+        return (-inf, inf) if self.periodic else self.bounds
 
     @property
     def absent(self) -> float:

@@ -236,9 +236,8 @@ def _bound(kind: type[Effect], form: str, shared: Numbers, own: Numbers, words: 
 
 def bounds(free: list[Free]) -> tuple[Array, Array]:
     """Lower and upper bounds of a free vector."""
-    low = np.array([_encode(f.parameter, f.parameter.bounds[0]) for f in free])
-    high = np.array([_encode(f.parameter, f.parameter.bounds[1]) for f in free])
-    return low, high
+    low, high = ([_encode(f.parameter, f.parameter.reach[k]) for f in free] for k in range(2))
+    return np.array(low), np.array(high)
 
 
 def scales(free: list[Free], loads: Array) -> Array:
@@ -272,6 +271,8 @@ def _encode(parameter: Parameter, value: float) -> float:
 
 def _decode(parameter: Parameter, x: float) -> float:
     low, high = parameter.bounds
+    if parameter.periodic:
+        return x if low <= x <= high else x - 2.0 * np.pi * round(x / (2.0 * np.pi))
     return min(max(float(np.exp(x)) if parameter.scale == "log" else x, low), high)
 
 

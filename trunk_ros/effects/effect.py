@@ -124,9 +124,7 @@ class Effect(ABC):
         return self.values[name]
 
     def run(self, x: Array, now: Now, state: Any) -> tuple[Array, Any]:
-        """Pass ``x`` (n, columns) [rad, m at sliding joints] through the phenomenon; returns the same shape
-        and the state after it. ``state`` is None at the start of a recording.
-        """
+        """Pass ``x`` (n, columns) [rad, m] on, and the state after it; None at the start of a recording."""
         return x, state
 
     def invert(self, y: Array, now: Now, state: Any) -> tuple[Array, Any]:
@@ -222,12 +220,16 @@ class Effect(ABC):
         return " ".join(text.strip().split("\n\n")[0].split()).rstrip(".")
 
     @classmethod
+    def turning(cls, form: str) -> Mapping[str, tuple[str, float]]:
+        """Its phases at motor-side angle 0: the periods per turn that each goes with, and how many times."""
+        return {}
+
+    @classmethod
     def form_of(cls, said: str) -> str:
         """A form that is said, the first by default. Raises ModelError for one that there is not."""
         if said and said not in cls.forms:
-            raise ModelError(
-                f"{cls.id} has no form {said!r}: choose one of {', '.join(filter(None, cls.forms))}"
-            )
+            able = ", ".join(filter(None, cls.forms))
+            raise ModelError(f"{cls.id} has no form {said!r}: choose one of {able}")
         return said or cls.forms[0]
 
     @classmethod
@@ -289,9 +291,8 @@ class Effect(ABC):
         for parameter in (*cls.parameters, *cls.moments()):
             if parameter.name == name:
                 return parameter
-        raise ModelError(
-            f"{cls.id} has no parameter {name!r}: it has {', '.join(p.name for p in cls.parameters)}"
-        )
+        able = ", ".join(p.name for p in cls.parameters)
+        raise ModelError(f"{cls.id} has no parameter {name!r}: it has {able}")
 
 
 def _of_size(moment: Parameter, lead: Parameter) -> Parameter:

@@ -9,8 +9,9 @@ import pytest
 
 from test.diagnosis.search.looks import context
 from trunk_ros.diagnosis.context import Context
-from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
-from trunk_ros.diagnosis.search.fit import Fit, Residuals, fit, refit
+from trunk_ros.diagnosis.hypothesis import Hypothesis, Term, bounds
+from trunk_ros.diagnosis.search.fit import Fit, fit, refit
+from trunk_ros.diagnosis.search.residuals import Residuals
 from trunk_ros.diagnosis.work import Work
 
 
@@ -39,6 +40,28 @@ def test_what_bends_is_followed_until_nothing_is_left_to_gain() -> None:
     slope, normal = there.normal(done.hypothesis.free_values(there.free))
     assert slope[0] ** 2 / normal[0, 0] < 0.1  # of squared unit noise
     assert done.hypothesis["backlash"].own[2]["half_width"] == pytest.approx(1.5e-3, abs=5e-5)
+
+
+def test_a_phase_goes_beyond_any_bound_and_stays_the_same_phase() -> None:
+    swing = {"amplitude": 1e-3, "cycles_per_rev": 4.0, "phase": 0.5}
+    rippled = Hypothesis(transmission_ripple=Term("transmission_ripple", "sine", own={2: dict(swing)}))
+    free = [f for f in rippled.free([2]) if f.parameter.name == "phase"]
+    assert [float(bound[0]) for bound in bounds(free)] == [-np.inf, np.inf]
+    turned = rippled.put(free, np.array([0.5 + 20.0 * np.pi]))
+    assert turned["transmission_ripple"].own[2]["phase"] == pytest.approx(0.5)
+
+
+def test_an_order_is_fitted_beside_the_phase_in_the_middle_of_the_motion() -> None:
+    """What it does then is the same as with the phase at angle 0, seen along other values."""
+    look = context("clean")
+    swing = {"amplitude": 1e-3, "cycles_per_rev": 4.0, "phase": 0.5}
+    rippled = Hypothesis(transmission_ripple=Term("transmission_ripple", "sine", own={2: swing}))
+    there = Residuals(look, rippled, [2])
+    x = there.hypothesis.free_values(there.free)
+    assert there.turn is not None
+    (_, plain), (slope, normal) = there.normal(x), there.normal_about(x)
+    assert normal == pytest.approx(there.turn.T @ plain @ there.turn, rel=1e-6)
+    assert there.about(there.turned(slope)) == pytest.approx(slope)
 
 
 def test_a_fit_does_not_change_what_it_began_with() -> None:

@@ -13,9 +13,10 @@ from trunk_ros.diagnosis.first_look import first_look
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
 from trunk_ros.diagnosis.search.candidates import Candidate, extended, local_kinds
 from trunk_ros.diagnosis.search.course import Course
-from trunk_ros.diagnosis.search.fit import Fit, Residuals, refit, refit_column
+from trunk_ros.diagnosis.search.fit import Fit, refit, refit_column
 from trunk_ros.diagnosis.search.greedy import begun
 from trunk_ros.diagnosis.search.moves.spell import sized
+from trunk_ros.diagnosis.search.residuals import Residuals
 from trunk_ros.diagnosis.search.screen import PROMISED, Kept, Screen
 from trunk_ros.diagnosis.search.size import reach
 from trunk_ros.diagnosis.search.trial import may_win

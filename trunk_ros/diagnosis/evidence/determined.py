@@ -10,7 +10,8 @@ from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.hypothesis import Free, bounds
 from trunk_ros.diagnosis.levels import NEARLY, ROUGH
-from trunk_ros.diagnosis.search.fit import Fit, Residuals, groups
+from trunk_ros.diagnosis.search.fit import Fit, groups
+from trunk_ros.diagnosis.search.residuals import Residuals
 from trunk_ros.diagnosis.verdict.units import unit_on
 from trunk_ros.effects import effect
 from trunk_ros.effects.bank import Bank
@@ -109,7 +110,7 @@ def _at_bound(context: Context, free: list[Free], x: Array, slope: Array) -> lis
     for k, f in enumerate(free):
         near = ROUGH * (high[k] - low[k])
         share = f.parameter.unit == "1" and f.parameter.bounds == (0.0, 1.0)  # all is no more than possible
-        if issubclass(effect(f.effect), (Bank, Curve)) or share:
+        if issubclass(effect(f.effect), (Bank, Curve)) or share or f.parameter.periodic:
             continue
         for side, end, beyond in (("lower", 0, slope[k] > 0.0), ("upper", 1, slope[k] < 0.0)):
             bound = f.parameter.bounds[end]

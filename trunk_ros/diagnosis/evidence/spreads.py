@@ -14,8 +14,9 @@ from trunk_ros.diagnosis.evidence.cross_validation import BLOCKS
 from trunk_ros.diagnosis.hypothesis import Free, Hypothesis, bounds
 from trunk_ros.diagnosis.levels import HARDLY, NOTABLE, ROUGH
 from trunk_ros.diagnosis.search.candidates import given
-from trunk_ros.diagnosis.search.fit import Fit, Residuals, groups, step
+from trunk_ros.diagnosis.search.fit import Fit, groups, step
 from trunk_ros.diagnosis.search.formed import behind
+from trunk_ros.diagnosis.search.residuals import Residuals
 from trunk_ros.effects import effect
 from trunk_ros.guards import BLIND, ROUNDED
 

@@ -15,7 +15,8 @@ from trunk_ros.diagnosis.data.noise import rms
 from trunk_ros.diagnosis.data.span import Span
 from trunk_ros.diagnosis.hypothesis import Hypothesis, bounds
 from trunk_ros.diagnosis.levels import CLEARLY, TENFOLD
-from trunk_ros.diagnosis.search.fit import ROUNDS, Residuals, groups, minimise
+from trunk_ros.diagnosis.search.fit import ROUNDS, groups, minimise
+from trunk_ros.diagnosis.search.residuals import Residuals
 from trunk_ros.diagnosis.search.score import need
 from trunk_ros.guards import BLIND, ROUNDED
 from trunk_ros.model import Model

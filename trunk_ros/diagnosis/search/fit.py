@@ -2,19 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.context import Context
-from trunk_ros.diagnosis.hypothesis import Free, Hypothesis, bounds, scales
+from trunk_ros.diagnosis.hypothesis import Hypothesis, bounds
 from trunk_ros.diagnosis.levels import TURNS
+from trunk_ros.diagnosis.search.residuals import Residuals, worst
 from trunk_ros.diagnosis.work import Work
 from trunk_ros.effects import effect
 
-STEP = 0.005  # of a parameter's usual size, for derivatives
 ROUNDS = 12
 SETTLED = 2  # rounds after which gains only get smaller
 TRIES = 6  # dampings a round
@@ -49,81 +48,6 @@ class Fit:
     def beyond_noise(self, column: int) -> float:
         """The same above what the noise may be: it is known to a share of its power."""
         return max(self.rest(column) - self.context.rest(column) * self.context.count(column), 0.0)
-
-
-class Residuals:
-    """The residual vector of some columns as a function of the free values, and its derivative."""
-
-    def __init__(self, context: Context, hypothesis: Hypothesis, columns: list[int]):
-        self.context, self.hypothesis, self.columns = context, hypothesis, columns
-        self.free = hypothesis.free(columns, context.columns)
-        self.scale = scales(self.free, context.stage.loads)
-        self._moved = hypothesis.copy()
-        self._at: tuple[bytes, list[Array]] | None = None
-
-    def parts(self, x: Array) -> list[Array]:
-        """Residuals by column."""
-        if self._at is None or self._at[0] != x.tobytes():
-            self._moved.set(self.free, x)
-            self._at = x.tobytes(), self.context.whitened_each([(self._moved, c) for c in self.columns])
-        return self._at[1]
-
-    def __call__(self, x: Array) -> Array:
-        """All residuals, joined."""
-        return np.concatenate(self.parts(x))
-
-    def jacobian(self, x: Array) -> Array:
-        """(rows, free) by forward differences; a joint's own value touches only its own rows."""
-        base = self.parts(x)
-        ends = np.cumsum([0, *(len(part) for part in base)])
-        out = np.zeros((ends[-1], len(x)))
-        for i, (free, slopes) in enumerate(self.slopes(x)):
-            out[ends[i] : ends[i + 1], free] = slopes
-        return out
-
-    def slopes(self, x: Array) -> Iterator[tuple[list[int], Array]]:
-        """By column: the values that move its residual, and (rows, values) by how much. Of long recordings
-        those of one column at a time fit into memory.
-        """
-        base, steps, moving = self.parts(x), self.steps(x), [self.moving(c) for c in self.columns]
-        there = {k: self._moved.moved(f, x[k] + steps[k]) for k, f in enumerate(self.free)}
-        many = max(self.context.together // max(max(map(len, moving), default=0), 1), 1)
-        for first in range(0, len(moving), many):
-            group = list(zip(self.columns, moving, base, strict=True))[first : first + many]
-            seen = self.context.whitened_each([(there[k], c) for c, some, _ in group for k in some])[::-1]
-            for _, some, part in group:
-                out = np.empty((len(some), len(part)))
-                for slope, k in zip(out, some, strict=True):
-                    np.subtract(seen.pop(), part, out=slope)
-                    slope /= steps[k]
-                    if not np.isfinite(slope).all():
-                        slope[:] = 0.0
-                yield some, out.T
-
-    def but_for(self, x: Array, spared: int) -> float:
-        """Squared residuals without what so many of the worst columns have above the noise."""
-        cost = [float(part @ part) for part in self.parts(x)]
-        return sum(cost) - _worst(self.context, dict(zip(self.columns, cost, strict=True)), spared)
-
-    def steps(self, x: Array) -> Array:
-        """(free,) by which each value is moved to see what it does, away from a bound that is near."""
-        return STEP * self.scale * np.where(x + STEP * self.scale <= bounds(self.free)[1], 1.0, -1.0)
-
-    def moving(self, column: int) -> list[int]:
-        """The values that move what is predicted of a column."""
-        return [k for k, f in enumerate(self.free) if f.parameter.carried or column in self._touched(f)]
-
-    def _touched(self, f: Free) -> list[int]:
-        """The columns that a value acts on."""
-        return self.hypothesis[f.effect].columns if f.column is None else [f.column]
-
-    def normal(self, x: Array) -> tuple[Array, Array]:
-        """(free,) J^T r and (free, free) J^T J, column by column."""
-        side, square = np.zeros(len(x)), np.zeros((len(x), len(x)))
-        for (free, slopes), part in zip(self.slopes(x), self.parts(x), strict=True):
-            side[free] += slopes.T @ part
-            square[np.ix_(free, free)] += slopes.T @ slopes
-        return side, square
 
 
 def fit(
@@ -179,16 +103,10 @@ def _goal_of(context: Context, group: list[int], cost: dict[int, float], goal: f
         return goal
     left = goal - sum(context.least_noise(c) for c in context.columns if c not in (*cost, *group))
     left -= sum(cost.values())
-    among = left + _worst(context, cost, spared - 1)
+    among = left + worst(context, cost, spared - 1)
     if len(group) == 1 and spared and among > context.least_noise(group[0]):
         return np.inf  # it may be one of those itself
-    return left + _worst(context, cost, spared)
-
-
-def _worst(context: Context, cost: dict[int, float], many: int) -> float:
-    """What so many of the worst columns have above the noise."""
-    over = sorted((max(left - context.least_noise(c), 0.0) for c, left in cost.items()), reverse=True)
-    return sum(over[: max(many, 0)])
+    return left + worst(context, cost, spared)
 
 
 def groups(context: Context, hypothesis: Hypothesis) -> list[list[int]]:
@@ -241,11 +159,11 @@ def minimise(residuals: Residuals, x: Array, rounds: int, goal: float = np.inf, 
     cost, damping = float(rest @ rest), DAMPING
     first, start, held = cost, x, np.diag(residuals.scale**-2.0)
     for done in range(1, rounds + 1):
-        slope, normal = residuals.normal(x)
+        slope, normal = residuals.normal_about(x)
         normal = normal + held
         before, looked = cost, x
         for _ in range(TRIES):
-            trial = np.clip(x - step(normal, slope, damping, x, low, high), low, high)
+            trial = np.clip(x - residuals.turned(step(normal, slope, damping, x, low, high)), low, high)
             there = residuals(trial)
             if float(there @ there) < cost:
                 x, rest, cost, damping = trial, there, float(there @ there), damping / 5.0
@@ -256,8 +174,9 @@ def minimise(residuals: Residuals, x: Array, rounds: int, goal: float = np.inf, 
             break
         if done > SETTLED and (rounds - done) * (before - cost) < residuals.but_for(x, spared) - goal:
             break  # it is hopeless
-        most = looked - np.clip(looked - step(normal, slope, 0.0, looked, low, high), low, high)
-        if _unforeseen(normal, slope, looked - x, most, before - cost) < enough:
+        whole = residuals.turned(step(normal, slope, 0.0, looked, low, high))
+        most = residuals.about(looked - np.clip(looked - whole, low, high))
+        if _unforeseen(normal, slope, residuals.about(looked - x), most, before - cost) < enough:
             break
     return x if first - cost >= enough else start
 

@@ -7,7 +7,7 @@ import numpy as np
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.hypothesis import Free, Hypothesis
-from trunk_ros.diagnosis.search.fit import Residuals
+from trunk_ros.diagnosis.search.residuals import Residuals
 
 
 def directions(

@@ -1,5 +1,7 @@
 """Periodic position error over the shaft angle."""
 
+from collections.abc import Mapping
+
 import numpy as np
 
 from trunk_ros.compiled import Array
@@ -43,6 +45,7 @@ class Cogging(Effect):
             typical=1.0,
             scan=(0.0, 1.571, 3.142, 4.712),
             slide="rad",
+            periodic=True,
         ),
     )
     everywhere = begins = True
@@ -51,6 +54,10 @@ class Cogging(Effect):
         ("load_droop", "turn one joint alone over its whole range: a cogging comes back many times"),
         ("unknown_dead_zone", "approach one setpoint from both sides: a dead zone changes its sign"),
     )
+
+    @classmethod
+    def turning(cls, form: str) -> Mapping[str, tuple[str, float]]:
+        return {"phase": ("cycles_per_rev", 1.0)}
 
     def grid(
         self, parameter: Parameter, now: Now, column: int, rest: Array | None = None

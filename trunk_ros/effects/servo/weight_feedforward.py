@@ -36,6 +36,7 @@ class WeightFeedforward(Effect):
             typical=1.0,
             scan=(0.0, 1.571),
             slide="rad",
+            periodic=True,
         ),
     )
     needs = ("effort",)

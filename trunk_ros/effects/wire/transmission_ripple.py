@@ -1,5 +1,6 @@
 """A wheel out of round or out of centre."""
 
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -48,6 +49,7 @@ class TransmissionRipple(Effect):
             typical=1.0,
             scan=(0.0, 0.785, 1.571, 2.356),
             slide="rad",
+            periodic=True,
         ),
         Parameter("harmonic", "1", (-2.0, 2.0), "size of the second wave over amplitude", typical=0.2),
         Parameter(
@@ -58,6 +60,7 @@ class TransmissionRipple(Effect):
             typical=1.0,
             scan=(0.0, 1.571),
             slide="rad",
+            periodic=True,
         ),
         Parameter(
             "cycles_per_rev_2",
@@ -89,6 +92,14 @@ class TransmissionRipple(Effect):
     def _second(self) -> Array:
         """Periods per turn of the second wave."""
         return self["cycles_per_rev_2"] if self.form == "two_orders" else 2.0 * self["cycles_per_rev"]
+
+    @classmethod
+    def turning(cls, form: str) -> Mapping[str, tuple[str, float]]:
+        first = {"phase": ("cycles_per_rev", 1.0)}
+        if form == "sine":
+            return first
+        second = ("cycles_per_rev_2", 1.0) if form == "two_orders" else ("cycles_per_rev", 2.0)
+        return {**first, "harmonic_phase": second}
 
     def credible(self, now: Now, beside: bool = False) -> bool:
         """A good period has to lie within the motion, or it is a bent curve, and many of a wave that is finer
