@@ -43,6 +43,27 @@ def test_the_ripple_of_a_lead_screw_is_found() -> None:
     assert units["cycles_per_rev"] == "1/(2 pi m)"
 
 
+@pytest.mark.parametrize(("unit", "size"), [("mm", 1e-3), ("1", 1.0)])
+def test_a_ripple_of_which_two_periods_are_seen_far_from_zero_is_found_in_any_unit(
+    unit: str, size: float
+) -> None:
+    """Its phase at angle 0 turns by 160 periods with the order, which is found all the same; its zero is
+    further off than that of a joint that turns could be.
+    """
+    motor = 40.0 + 0.3 * np.sin(2 * np.pi * 0.1 * STAMP)
+    off = 0.02 * np.sin(2 * np.pi * motor / 0.25 + 1.0) - 42.0
+    joint = motor + off + NOISE * np.random.default_rng(0).normal(size=len(STAMP))
+    recording = Recording.from_arrays(STAMP, motor=motor, joint=joint, unit=unit)
+    found = {one.effect: one for one in diagnose(recording, model="direct", experiments=False).findings}
+    said = {name: one.parameters["joint_1"] for name, one in found.items()}
+    assert said.keys() == {"zero_offset", "transmission_ripple"}
+    assert said["zero_offset"]["offset"]["value"] == pytest.approx(-42.0 * size, rel=1e-4)
+    ripple = {name: told["value"] for name, told in said["transmission_ripple"].items()}
+    assert ripple["amplitude"] == pytest.approx(0.02 * size, rel=0.02)
+    assert ripple["cycles_per_rev"] == pytest.approx(2 * np.pi / 0.25 / size, rel=1e-3)
+    assert abs(ripple["phase"]) <= np.pi
+
+
 def test_a_slide_with_nothing_missing_has_no_finding() -> None:
     assert found(np.zeros_like(MOTOR)).verdict == "no_mismatch"
 

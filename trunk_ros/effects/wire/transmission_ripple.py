@@ -13,7 +13,6 @@ from trunk_ros.parameter import Parameter
 from trunk_ros.sine import sines
 
 LEAST = 1.05  # periods within the motion
-OFTEN = 5.0  # periods within the motion, of a wave that is finer than usual
 USUAL, MOST = 120.0, 1e6  # periods per turn that are looked for at any speed, and at any place
 
 
@@ -102,14 +101,11 @@ class TransmissionRipple(Effect):
         return {**first, "harmonic_phase": second}
 
     def credible(self, now: Now, beside: bool = False) -> bool:
-        """A good period has to lie within the motion, or it is a bent curve, and many of a wave that is finer
-        than usual, as one such period is any bend; and two orders have to part by half of one there, or they
-        are one wave that grows.
+        """A good period has to lie within the motion, or it is a bent curve; and two orders have to part by
+        half of one there, or they are one wave that grows.
         """
         turns = np.ptp(now.gearbox, axis=0) / (2 * np.pi)
         within = self["cycles_per_rev"] * turns
-        if np.any((self["cycles_per_rev"] > USUAL) & (within < OFTEN)):
-            return False
         if self.form == "two_orders":
             second = self["cycles_per_rev_2"] * turns
             within = np.minimum(np.minimum(within, second), np.abs(second - within) + LEAST)
