@@ -24,14 +24,14 @@ by other laws, what was said beside the right names explained up to 0.0008.
 
 def measured(first: Fit) -> Context:
     """The context of a first fit, in which all else is measured by what that leaves with the right zero."""
-    context = first.context
-    misfit = {c: max(left_but_for_a_zero(first, c) - context.count(c), 0.0) for c in first.cost}
+    context, seen = first.context, first.hypothesis
+    misfit = {c: max(left_but_for_a_zero(context, seen, c) - context.count(c), 0.0) for c in first.cost}
     return replace(context, misfit=misfit, formed_misfit=formed_misfits(first))
 
 
-def left_but_for_a_zero(fit: Fit, column: int) -> float:
-    """Squared unit-noise residual that a fit leaves of a column with the right zero."""
-    rest = but_for_a_zero(fit.context, column, fit.context.whitened(fit.hypothesis, column))
+def left_but_for_a_zero(context: Context, hypothesis: Hypothesis, column: int) -> float:
+    """Squared unit-noise residual that a hypothesis leaves of a column with the right zero."""
+    rest = but_for_a_zero(context, column, context.whitened(hypothesis, column))
     return float(rest @ rest)
 
 

@@ -12,10 +12,11 @@ import numpy as np
 
 from trunk_ros.diagnosis.discrepancy.curves import curve_fit, drawn_on, promised
 from trunk_ros.diagnosis.levels import LITTLE, SEVERAL
-from trunk_ros.diagnosis.search.candidates import OWN, but_for_zeros
+from trunk_ros.diagnosis.search.candidates import OWN, but_for_zeros, own_effects
 from trunk_ros.diagnosis.search.credible import hidden
 from trunk_ros.diagnosis.search.descent import LARGE, Desk, Group, Move
 from trunk_ros.diagnosis.search.fit import Fit, fit
+from trunk_ros.diagnosis.search.formed import but_for_a_zero
 from trunk_ros.diagnosis.search.moves.add import law_of_all, trials
 from trunk_ros.diagnosis.search.score import beats, priced, prices, score, with_curves_at_least
 from trunk_ros.diagnosis.search.screen import PROMISED
@@ -46,7 +47,10 @@ def _hopeless(best: Fit, desk: Desk, column: int) -> bool:
     local = but_for_zeros(best.hypothesis, column)
     if not local or column in best.hypothesis.curved:
         return False
-    each = (best.context.misfit[column] - best.rest(column)) / len(local)
+    nominal = best.context.whitened(best.context.known, column)
+    if len(local) < len(own_effects(best.hypothesis, column)):
+        nominal = but_for_a_zero(best.context, column, nominal)
+    each = (float(nominal @ nominal) - best.cost[column]) / len(local)
     if not any(effect(name).everywhere for name in local):
         further = (trial.cost for (_, alone), trial in trials(best, desk, [column])[0].items() if alone)
         own = best.cost[column] - min(further, default=best.cost[column])
