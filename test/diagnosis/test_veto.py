@@ -53,6 +53,19 @@ def test_what_has_no_name_goes_where_it_harms_the_run_itself(
     assert list(harmless(now).hypothesis) == kept
 
 
+def test_a_name_that_is_more_likely_wrong_than_right_is_judged_as_what_has_none(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """A lag that noise made likely left a run three times as far off as a constant alone."""
+    now = fitted("backlash", BACKLASH)
+    change = np.stack([np.full(10, -20.0), np.full(10, 50.0)])
+    monkeypatch.setattr(veto, "unseen", lambda _, h, *asked: 100.0 + change * len(h))
+    assert list(believed(now, now)[0].hypothesis) == ["backlash"]
+    doubted = replace(one_evidence(now, "backlash"), confidence=0.4)
+    monkeypatch.setattr(veto, "evidence", lambda part, *_: dict.fromkeys(part.hypothesis, doubted))
+    assert list(believed(now, now)[0].hypothesis) == []
+
+
 def test_what_chance_suggests_goes_joint_by_joint() -> None:
     now = fitted("backlash", BACKLASH, RIPPLE)
     kept = harmless(now).hypothesis

@@ -4,7 +4,7 @@ is in no model.
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Iterator, Mapping
+from collections.abc import Collection, Hashable, Iterator, Mapping
 
 import numpy as np
 
@@ -15,7 +15,7 @@ from trunk_ros.diagnosis.evidence.as_given import unrounded
 from trunk_ros.diagnosis.evidence.evidence import Evidence, evidence
 from trunk_ros.diagnosis.evidence.unseen import unseen
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
-from trunk_ros.diagnosis.levels import SEVERAL
+from trunk_ros.diagnosis.levels import HALF, SEVERAL
 from trunk_ros.diagnosis.search.candidates import usable
 from trunk_ros.diagnosis.search.credible import unshown
 from trunk_ros.diagnosis.search.fit import Fit, groups, refit
@@ -29,6 +29,7 @@ from trunk_ros.guards import TINY
 def believed(state: Fit, part: Fit) -> tuple[Fit, Fit, dict[str, Evidence]]:
     """A fit and one of the same to what rivals are fitted to, without the names that gain less than they have
     to, or than a rival gains beyond them, and the evidence for the others. One at a time, the weakest first.
+    Then without those that are more likely wrong than right and do not help on blocks that were not seen.
     A rival that turns out to be better takes the place of the name: a search that ended early may not have
     come to it. After each change evidence is gathered anew for what it touched; once the work that is granted
     for that is spent, only for names that are new or that a rival had beaten, and the others are left as they
@@ -49,8 +50,13 @@ def believed(state: Fit, part: Fit) -> tuple[Fit, Fit, dict[str, Evidence]]:
         weak = {n: e.gain_share for n, e in found.items() if _is_claimed(state, n) and n not in old}
         name = min(weak, key=weak.__getitem__, default=None)
         if name is None or weak[name] >= 1.0:
-            state.context.work.took(work)
-            return state, part, found
+            doubted = {n for n in weak if found[n].confidence < HALF}
+            helped = harmless(state, doubted) if doubted and not work.over else state
+            if helped.hypothesis is state.hypothesis:
+                state.context.work.took(work)
+                return state, part, found
+            state, part = helped, helped if both else refit(part.context, helped.hypothesis)
+            continue
         state = dropped(state, name)
         part = state if both else dropped(part, name)
 
@@ -139,9 +145,10 @@ def _is_shown(context: Context, term: Term) -> bool:
     return kind in usable(context) and any(shown or [True])
 
 
-def harmless(state: Fit) -> Fit:
+def harmless(state: Fit, doubted: Collection[str] = ()) -> Fit:
     """Without the effects, joint by joint, that blocks which a fit has not seen are better off without; those
-    without a name also where that is so of recordings that it has not seen.
+    without a name also where that is so of recordings that it has not seen. If names are ``doubted``, only of
+    these, and as of what has no name: for them as well nothing speaks but that they help.
 
     One at a time, the worst first, as far as the work goes that is granted for that. What the model has
     already stays.
@@ -149,24 +156,28 @@ def harmless(state: Fit) -> Fit:
     known: dict[Hashable, Array] = {}
     granted, work = state.context.work, state.context.work.besides()
     state = state.working(work)
-    while not work.over and (worst := _worst(state, known)) is not None:
+    while not work.over and (worst := _worst(state, known, doubted)) is not None:
         before, state = state.context, dropped(state, *worst)
         known = known if state.context is before else {}
     granted.took(work)
     return state.working(granted)
 
 
-def _worst(state: Fit, known: dict[Hashable, Array]) -> tuple[str, int | None] | None:
-    """What does most harm. ``known``: what hypotheses leave of blocks that they have not seen, by all that
-    this depends on; what did not change is not fitted anew.
+def _worst(
+    state: Fit, known: dict[Hashable, Array], doubted: Collection[str]
+) -> tuple[str, int | None] | None:
+    """What does most harm, of names only ``doubted`` ones if there are any. ``known``: what hypotheses leave
+    of blocks that they have not seen, by all that this depends on; what did not change is not fitted anew.
     """
     asked: dict[Hashable, tuple[Hypothesis, list[int], bool]] = {}
     some: dict[tuple[str, int | None], list[tuple[Hashable, Hashable]]] = {}
     for name, column in _removable(state):
+        if doubted and name not in doubted:
+            continue
         columns = state.hypothesis[name].columns if column is None else [column]
         columns = [c for c in columns if c in state.context.columns]
         pair = state.hypothesis, state.hypothesis.without(name, column)
-        several = len(state.context.views) >= SEVERAL and not effect(name).named
+        several = len(state.context.views) >= SEVERAL and (bool(doubted) or not effect(name).named)
         for whole in (False, True) if several else (False,):
             keys = [(whole, _fitted_with(state.context, one, columns)) for one in pair]
             some.setdefault((name, column), []).append((keys[0], keys[1]))
@@ -176,7 +187,8 @@ def _worst(state: Fit, known: dict[Hashable, Array]) -> tuple[str, int | None] |
     known |= dict(zip(new, left, strict=True))
     harm = {
         which: max(
-            _harm(known[with_it], known[without], effect(which[0]).named) for with_it, without in pairs
+            _harm(known[with_it], known[without], not doubted and effect(which[0]).named)
+            for with_it, without in pairs
         )
         for which, pairs in some.items()
     }
