@@ -13,6 +13,7 @@ from test.diagnosis.arms import diagnose, on, recorded
 from trunk_ros.chain import Chain
 from trunk_ros.diagnosis.data import surroundings
 from trunk_ros.diagnosis.data.align import servo_span, wire_span
+from trunk_ros.diagnosis.data.counting import counting_told
 from trunk_ros.diagnosis.data.other_simulator import on_the_clock
 from trunk_ros.diagnosis.data.seen import at, joined, now_of
 from trunk_ros.diagnosis.data.sensor_faults import without_faults
@@ -342,3 +343,23 @@ def test_an_arm_of_which_nothing_is_known_may_have_setpoints_in_its_recording() 
     recording = recorded(seconds=5.0)
     assert "setpoints" in recording.series
     assert wire_span(recording, load_model("direct")).joints == recording.joints
+
+
+@pytest.mark.parametrize("scatter", [0.0, 1e-3])
+def test_a_motor_that_only_seems_to_turn_in_a_gap_makes_nothing_forgotten(scatter: float) -> None:
+    """Its readings scatter as it stands. One that turned out of sight is said to, with what that costs."""
+    stamp, noise = np.arange(0.0, 60.0, 0.01), np.random.default_rng(0).normal(size=(2, 6000))
+    motor = 10.0 * np.sin(np.minimum(stamp, 6.55 * np.pi))
+    joint = SharpPlay().run(motor[:, None], np.array([[0.1]]), None)[0] + 1e-4 * noise[0][:, None]
+    seen = motor + scatter * noise[1]
+    lost = np.zeros(len(stamp), dtype=bool)
+    lost[2100::37] = lost[2101::37] = True
+    turned = lost if scatter else lost | (np.abs(stamp - 6.5 * np.pi) < 0.05)
+    series = {
+        "gearbox_states": JointSeries(stamp[~turned], ("a",), seen[~turned, None]),
+        "joint_states": JointSeries(stamp, ("a",), joint),
+    }
+    span = wire_span(Recording("stair", 0, 60.0, series), load_model("direct"))
+    told = " ".join(counting_told(span))
+    assert ("follow gaps in which its motor may have turned" in told) == (scatter == 0.0)
+    assert (span.valid.mean() > 0.9) == (scatter > 0.0)

@@ -9,11 +9,12 @@ import numpy as np
 from trunk_ros.arm_model import ArmModel
 from trunk_ros.chain import REMEMBERED
 from trunk_ros.compiled import Array
+from trunk_ros.diagnosis.data.forgotten import forgotten, loop_of
 from trunk_ros.diagnosis.data.motion_content import MOVED, STANDS, comes_back, extent, is_wide, passed, turned
 from trunk_ros.diagnosis.data.repeated_readings import new_motor_readings, new_readings
 from trunk_ros.diagnosis.data.span import Span, in_one_piece
 from trunk_ros.diagnosis.heap import give_back
-from trunk_ros.diagnosis.levels import CERTAIN, ENOUGH, HALF, OUTLIERS, ROUGH, SLIGHT
+from trunk_ros.diagnosis.levels import CERTAIN, ENOUGH, HALF, ROUGH, SLIGHT, SURE
 from trunk_ros.diagnosis.machine import CELLS
 from trunk_ros.errors import RecordingError
 from trunk_ros.recording.recording import JointSeries, Recording
@@ -25,7 +26,6 @@ from trunk_ros.recording.signal.resample import (
     SAME,
     SLOW,
     joint_grid,
-    longest_gap,
     resample,
     stops_to_measure,
 )
@@ -33,7 +33,6 @@ from trunk_ros.resistance import resistance
 from trunk_ros.servo_course import all_setpoints, as_the_servo_went, felt, given
 from trunk_ros.start import TURNS
 
-FORGETS = 0.5  # s without gearbox angles in which a joint may have turned unseen
 UNSEEN = 1e-5  # rad that a joint may have gone on before it turned, in a gap, that do not count
 SETTLING = 0.3  # s in which a servo forgets how it began
 RESPONDS = SETTLING / 6  # s in which it has gone most of the way to where it was sent
@@ -56,7 +55,8 @@ def wire_span(recording: Recording, model: ArmModel) -> Span:
     if len(grid) > CELLS:
         give_back()
     grain = np.maximum(steps, np.sqrt(12.0) * noises(gearbox))
-    valid = np.isfinite(measured.position[kept]) & ~in_gaps(gearbox, grid)[rows]
+    read = np.isfinite(measured.position[kept])
+    valid = seen = read & ~in_gaps(gearbox, grid)[rows]
     target = np.asfortranarray(np.where(valid, measured.position[kept], 0.0))  # as a span has it: no copy
     arm = model.arm.only(joints)
     u = phi * arm.ratio
@@ -65,14 +65,17 @@ def wire_span(recording: Recording, model: ArmModel) -> Span:
     least = np.maximum(MOVED * np.ptp(u, axis=0), np.maximum(BANDS * arm.dead_band, STANDS))
     least[_goes_on(u) & (arm.dead_band == 0.0)] = -1.0  # there is no play to be seen
     at = in_one_piece(rows)
-    loop = _loop(u[at], target, valid)
+    loop = loop_of(u[at], target, valid)
     past = np.minimum(least, np.maximum(BANDS * loop, STANDS))
     small = np.maximum(noises(measured) / 2, UNSEEN)
     small = np.maximum(small, np.where(np.isfinite(loop), ROUGH * loop, 0.0))  # wide ones are hardly moved
+    scatters = np.abs(arm.ratio) * np.maximum(steps, SURE * np.sqrt(2.0) * noises(gearbox))
     counted = _counted(far, rows, start, least)
     del far
     counted |= ~counted.any(axis=0) & _moved_along(target, valid, start, noises(measured))
-    valid &= counted & ~_forgotten(u, grid, gearbox.stamp, past, small)[rows]
+    met = valid & counted
+    valid = met & ~forgotten(u, grid, gearbox.stamp, past, small, scatters)[rows]
+    counting = tuple(each.mean(axis=0) for each in (read, seen, met, valid))
     early = np.zeros_like(valid)
     if len(rows) > 1 and float(np.median(np.diff(grid[rows]))) < SLOW:
         late = _beside_wide_loops(u[at], velocity[at], target, valid)
@@ -84,9 +87,8 @@ def wire_span(recording: Recording, model: ArmModel) -> Span:
     span = Span(
         recording.name, joints, grid, phi, velocity, rows, target, valid, phi, start, known, held, grain
     )
-    span = replace(
-        span, shown=counts(measured), unsure=(1e-6 * _unsure(recording, "skew"), _unsure(recording, "early"))
-    )
+    unsure = 1e-6 * _unsure(recording, "skew"), _unsure(recording, "early")
+    span = replace(span, shown=counts(measured), unsure=unsure, counting=counting)
     if not stops_to_measure(gearbox.stamp):
         span = replace(span, lost=unseen(gearbox))
     if stops_to_measure(span.stamp):
@@ -250,47 +252,6 @@ def _moved_along(target: Array, valid: np.ndarray, start: tuple[np.ndarray, ...]
         low, high = np.quantile(target[valid[:, j], j], [SLIGHT, 1.0 - SLIGHT])
         out[j] = high - low > CERTAIN * noise[j]
     return out
-
-
-def _forgotten(u: Array, grid: Array, stamp: Array, least: Array, small: Array) -> np.ndarray:
-    """(m, joints): where it is unknown how a joint sits within its backlash: after a gap in which it turned,
-    or may have turned to and fro, until it has moved on. Turns by less than ``small`` (joints,) rad do not
-    count.
-    """
-    out = np.zeros(u.shape, dtype=bool)
-    longest = min(usual(stamp), longest_gap(stamp))
-    for k in np.flatnonzero(np.diff(stamp) > longest):
-        first = int(np.searchsorted(grid, stamp[k + 1] - SAME))
-        unseen = (_turned_by(u, grid, stamp, int(k)) > small) | bool(stamp[k + 1] - stamp[k] > FORGETS)
-        if unseen.any():
-            out[first:] |= (extent(u[first:]) < least) & unseen
-    return out
-
-
-def _loop(u: Array, target: Array, valid: np.ndarray) -> Array:
-    """(joints,) rad: half the width of what a line leaves of each joint's angle over its input, infinite
-    where it does not move. Its play is no wider: what else is off, and noise, makes it more.
-    """
-    out = np.full(u.shape[1], np.inf)
-    for j, seen in enumerate(valid.T):
-        moved = u[seen, j] - np.mean(u[seen, j]) if seen.any() else np.empty(0)
-        if len(moved) and np.ptp(moved) > STANDS:
-            left = target[seen, j] - float(moved @ target[seen, j] / (moved @ moved)) * moved
-            low, high = np.quantile(left, [OUTLIERS, 1.0 - OUTLIERS])
-            out[j] = (high - low) / 2.0
-    return out
-
-
-def _turned_by(u: Array, grid: Array, stamp: Array, k: int) -> Array:
-    """(joints,) rad that each may have gone further in the gap after sample ``k`` before it turned, as a
-    parabola turns; 0 where it goes on over the gap as it came.
-    """
-    at = stamp[[max(k - 1, 0), k, k + 1, min(k + 2, len(stamp) - 1)]]
-    seen = u[np.clip(np.searchsorted(grid, at - SAME), 0, len(u) - 1)]
-    before, over, after = np.diff(seen, axis=0) / np.maximum(np.diff(at), SAME)[:, None]
-    turns = (before * over < 0) | (over * after < 0) | (before * after <= 0)
-    unseen = np.maximum(np.abs(before), np.abs(after)) * (at[2] - at[1]) / 4
-    return np.asarray(np.where(turns, unseen, 0.0))
 
 
 def _start(far: Array, rows: np.ndarray, valid: np.ndarray) -> tuple[np.ndarray, ...]:

@@ -46,6 +46,8 @@ class Span:
     """Rows of the grid that stand for what moved before the recording, at the time of its first sample."""
     arrives: np.ndarray = field(default_factory=lambda: np.zeros(0, dtype=int))
     """Rows of the grid that stand for how the drives came to the stop of the row after."""
+    counting: tuple[Array, ...] = ()
+    """(joints,) shares of the readings that still count after each of the reasons in ``counting.WHY``."""
     unsure: tuple[float, float] = (0.0, 0.0)
     """Standard deviations of how fast the target's clock runs [s/s] and how far ahead it is [s], where that
     was found to be otherwise than its stamps had it."""
