@@ -14,6 +14,8 @@ from trunk_ros.diagnosis.aside import aside, size_of
 from trunk_ros.diagnosis.beside import Beside, beside
 from trunk_ros.diagnosis.context import LEAST
 from trunk_ros.diagnosis.data.align import common_joints, hidden_by_gaps, servo_joints, servo_span, wire_span
+from trunk_ros.diagnosis.data.counting import with_counting
+from trunk_ros.diagnosis.data.load_cells import celled
 from trunk_ros.diagnosis.data.mix_ups import MixUp, as_if_standing
 from trunk_ros.diagnosis.data.other_simulator import shifted
 from trunk_ros.diagnosis.data.quality import quality_by_name
@@ -24,6 +26,7 @@ from trunk_ros.diagnosis.evidence.at_rest import honest
 from trunk_ros.diagnosis.evidence.cross_validation import Error
 from trunk_ros.diagnosis.evidence.evidence import Evidence
 from trunk_ros.diagnosis.evidence.residual_dependence import rests as powers
+from trunk_ros.diagnosis.evidence.turned_load import turned_loads
 from trunk_ros.diagnosis.experiment.design import experiment, proposals
 from trunk_ros.diagnosis.free_run import free_run
 from trunk_ros.diagnosis.heap import give_back
@@ -75,7 +78,7 @@ class Diagnoser:
         """
         self.recordings, self.against, self.say = recordings, against, progress
         self.mixed = mixed or [[] for _ in recordings]
-        self.units = recordings[0].units
+        self.units, self.cells = recordings[0].units, celled(recordings)
         self.experiments, self.settle, self.servos = experiments, settle, servos
         self.size = size_of(recordings)
         topics = set.intersection(*(set(r.series) for r in recordings))
@@ -89,6 +92,7 @@ class Diagnoser:
             if servo_alone or tip_alone
             else [with_its_clocks(wire_span(r, path), r, path) for r in self.wires]
         )
+        recordings[:] = with_counting(recordings, spans)
         key = "gearbox_states" if servo_alone else "joint_states"
         seen = [s.joints for s in spans] or [common_joints(r, model, r.require(key)) for r in recordings]
         self.joints = seen[0]
@@ -217,7 +221,8 @@ class Diagnoser:
         state = self._stage(stage)
         if state is None:
             return [None] * len(stage.views)
-        self.lasting = lasting_of(state.context)
+        self.lasting, turned = lasting_of(state.context), turned_loads(state, self.cells)
+        self.mixed = [[*found, *turned] for found in self.mixed]
         return [*beside(state)]
 
     def _stage(self, stage: Stage) -> Fit | None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from itertools import pairwise
 
 import numpy as np
@@ -18,6 +19,14 @@ from trunk_ros.resistance import load_cells, tells
 
 BEFORE, LATEST = 0.1, 0.4  # s from a reversal: what turns over has, and the posture is as it was
 REVERSALS = 6  # fewer cannot tell
+
+
+def celled(recordings: Sequence[Recording]) -> set[str]:
+    """Joints whose own effort is told in one of the recordings."""
+    shown = [r.series["joint_states"] for r in recordings if "joint_states" in r.series]
+    return {
+        j for s in shown for j, told in zip(s.joints, tells(load_cells(s.joints, s)), strict=True) if told
+    }
 
 
 def cell_remarks(recording: Recording, model: Model) -> list[str]:
