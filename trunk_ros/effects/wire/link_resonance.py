@@ -21,13 +21,20 @@ from trunk_ros.effects.wire.swinging_links import RIGID, Links
 from trunk_ros.parameter import Parameter
 
 LEAST_SWINGS, FASTEST = 4.0, 25.0  # in a recording; Hz: of a beam
+MOST = 2.0
+"""Times the swing of its mass that a beam shows, at most, with room: where its base turns, the tip of an even
+one swings 1.14 times as far as it is sent and turns 1.57 times as far; with the mass near the base it swings
+1.5 times as far."""
+UNDONE = 0.95
+"""Of the swing: what undoes more grows without end, as a tip that swings further sets out the other way."""
 
 
 class LinkResonance(Effect):
     """theta'' + 2 zeta omega (theta' - b p') + omega^2 (theta - p) = 0.
 
     absolute: b = 0, the joint is damped against the arm; relative: b = 1, the wire itself damps;
-    beam: b = 0, and the sensor shows p + share (theta - p);
+    beam: b = 0, and the sensor shows p + share (theta - p), more than all of it at a tip beyond most of the
+    mass;
     links: b = 1, with the mass matrix M(q) of the chain: M_jj theta'' + sum M_jk theta_k'' in the place of
     M_jj theta'', so that the other joints' motion shakes the link too. ``frequency`` is that of the
     straight arm;
@@ -68,7 +75,7 @@ class LinkResonance(Effect):
         Parameter(
             "share",
             "1",
-            (-3.0, 0.95),
+            (-3.0, MOST),
             "of the swing that is seen, where the link itself bends; below 0 if it is counted the other way",
             typical=0.5,
             null=0.5,
@@ -130,10 +137,12 @@ class LinkResonance(Effect):
     def grid(
         self, parameter: Parameter, now: Now, column: int, rest: Array | None = None
     ) -> tuple[float, ...]:
-        """A beam rings long: only the lines of what is left are near enough to its frequency."""
+        """A beam rings long, whether its motor stands or not: only the lines of what is left are near enough
+        to its frequency.
+        """
         if self.form != "beam" or parameter.name == "share":
             return super().grid(parameter, now, column, rest)
-        if rest is None or not len(stops(now.stamp, np.ascontiguousarray(now.gearbox[:, column]))):
+        if rest is None:
             return ()
         if parameter.name == "damping":
             return 0.01, 0.05
@@ -165,10 +174,13 @@ class LinkResonance(Effect):
         return y + damped + acceleration / omega**2, (first, second)
 
     def _straightened(self, y: Array, now: Now, state: Any) -> tuple[Array, Any]:
-        """p = (y - share swing(y))/(1 - share), a swing that is faster by the root of 1 - share."""
-        rest = 1.0 - self["share"]
+        """p = (y - share swing(y))/(1 - share), a swing that is faster by the root of 1 - share. Of large
+        shares no more than can be undone: the ringing goes all the same.
+        """
+        share = np.minimum(self["share"], UNDONE)
+        rest = 1.0 - share
         state = np.vstack([y[0], y[0], np.zeros_like(y[0])]) if state is None else state.copy()
         out = np.empty_like(y)
         oscillator(y, now.dt, self._omega / np.sqrt(rest), self["damping"] * np.sqrt(rest), False, state, out)
         rigid = self._omega == 0.0
-        return np.where(rigid, y, (y - self["share"] * out) / rest), state
+        return np.where(rigid, y, (y - share * out) / rest), state
