@@ -134,6 +134,7 @@ def test_the_noise_of_a_slide_is_said_in_millimetres(
     (wire,) = [line for line in capsys.readouterr().out.splitlines() if line.startswith("  wire")]
     assert wire.endswith("mm")
     assert "rad" not in wire
+    assert wire.count("mm") == 1  # of one joint there is one noise, and no range of it
 
 
 @pytest.mark.parametrize(

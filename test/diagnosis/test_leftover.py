@@ -15,7 +15,7 @@ from trunk_ros.diagnosis.data.align import servo_span
 from trunk_ros.diagnosis.data.motion_content import PLACES
 from trunk_ros.diagnosis.evidence.residual_dependence import accounted, goes_on, rests
 from trunk_ros.diagnosis.first_look import first_look
-from trunk_ros.diagnosis.hypothesis import Hypothesis
+from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
 from trunk_ros.diagnosis.levels import SLIGHT
 from trunk_ros.diagnosis.servo import ServoStage
 from trunk_ros.diagnosis.verdict.findings import _unexplained, left_over
@@ -96,6 +96,16 @@ def test_what_is_left_is_said_with_its_stage_and_size() -> None:
     assert said is not None
     left = np.sqrt(now.rest(1) / now.context.count(1))
     assert float(said[1]) == pytest.approx(left, rel=0.05)
+
+
+def test_a_zero_makes_no_rest_look_small() -> None:
+    now = fitted("rough")
+    (view,) = now.context.views
+    moved = replace(view, span=replace(view.span, target=view.span.target + 0.3 * view.span.valid))
+    zero = Hypothesis(zero_offset=Term("zero_offset", own={c: {"offset": 0.3} for c in range(5)}))
+    (rest,) = left_over(now.context.viewing([moved]), zero)
+    assert rest.share > 0.99
+    assert "% of the residual's power beside a constant, " in rest.statement
 
 
 @pytest.mark.parametrize(("times", "said"), [(0.9, 0), (1.2, 1)])

@@ -183,7 +183,8 @@ def _stage(stage: str, told: dict[str, Any], units: dict[str, str]) -> list[str]
     for joint, value in told["joints"].items():
         if value:
             noise.setdefault(units.get(joint, "rad"), []).append(value)
-    sensed = [f"{sized(min(some), unit, 2)} … {sized(max(some), unit, 2)}" for unit, some in noise.items()]
+    ends = [[sized(end(some), unit, 2) for end in (min, max)] for unit, some in noise.items()]
+    sensed = [" … ".join(dict.fromkeys(pair)) for pair in ends]
     said = f"; noise {', '.join(sensed)}" if sensed else ""
     lines = [f"  {stage:6}yes: {', '.join(told['joints'])}{said}"]
     if told["silent"]:

@@ -16,7 +16,7 @@ from trunk_ros.diagnosis.evidence.evidence import UNNAMED, Evidence
 from trunk_ros.diagnosis.evidence.residual_dependence import depends_on, rests
 from trunk_ros.diagnosis.evidence.spreads import Spreads
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
-from trunk_ros.diagnosis.levels import MOST, ROUGH, SLIGHT, SURE
+from trunk_ros.diagnosis.levels import HALF, MOST, ROUGH, SLIGHT, SURE
 from trunk_ros.diagnosis.search.formed import left_but_for_a_zero
 from trunk_ros.diagnosis.stage import Stage
 from trunk_ros.diagnosis.verdict import bank_words, curve_words
@@ -183,19 +183,27 @@ def left_over(
     context: Context, hypothesis: Hypothesis, errors: Mapping[int, Error] | None = None
 ) -> list[Unexplained]:
     """What is left after all findings, if it is more than the noise, also of blocks that the fit has not seen
-    (``errors``), joints that vary with the same thing together.
+    (``errors``), joints that vary with the same thing together; as a share of what is no constant.
     """
     found: dict[tuple[str, ...], list[tuple[str, float, float]]] = {}
+    beside: set[tuple[str, ...]] = set()
     for column, power in rests(context, hypothesis, errors).items():
         if power < 1.0:
             continue
         varies = depends_on(context, hypothesis, column)
         before = left_but_for_a_zero(context, context.known, column) / context.count(column)
+        if before < HALF * float(np.mean(context.whitened(context.known, column) ** 2)):
+            beside.add(tuple(varies))
         share = float(np.clip(power / max(before - 1.0, power), 0.0, 1.0))
         size = float("nan") if is_none(context.noise[column].std) else float(np.sqrt(power))
         found.setdefault(tuple(varies), []).append((context.joints[column], share, size))
     stage = context.stage
-    return [_unexplained(stage.name, list(varies), each, stage.whole) for varies, each in found.items()]
+    return [
+        _unexplained(
+            stage.name, list(varies), each, stage.whole + (" beside a constant" if varies in beside else "")
+        )
+        for varies, each in found.items()
+    ]
 
 
 def _unexplained(
