@@ -124,7 +124,9 @@ class Effect(ABC):
         return self.values[name]
 
     def run(self, x: Array, now: Now, state: Any) -> tuple[Array, Any]:
-        """Pass ``x`` (n, columns) [rad, m] on, and the state after it; None at the start of a recording."""
+        """Pass ``x`` (n, columns) [rad, m at sliding joints] through the phenomenon; returns the same shape
+        and the state after it. ``state`` is None at the start of a recording.
+        """
         return x, state
 
     def invert(self, y: Array, now: Now, state: Any) -> tuple[Array, Any]:
@@ -178,16 +180,14 @@ class Effect(ABC):
         return () if cls.regime in untold else cls.forms
 
     def transients(self, now: Now) -> Swings | None:
-        """How one joint may swing besides, from before the recording, by knocks, or by what nobody saw.
-
-        It is no part of a model: a diagnosis fits their sizes to each recording.
+        """How one joint may swing besides, from before the recording, by knocks, or by what nobody saw. It is
+        no part of a model: a diagnosis fits their sizes to each recording.
         """
         return None
 
     def starts(self, now: Now, column: int, rest: Array | None = None) -> list[dict[str, Any]]:
-        """Start values for a fit on one column: every combination of the scanned parameters.
-
-        ``rest`` (n,): the residual there, where one is known.
+        """Start values for a fit on one column: every combination of the scanned parameters. ``rest`` (n,):
+        the residual there, where one is known.
         """
         combined: list[dict[str, Any]] = [{}]
         for parameter in self.own_parameters(self.form):
