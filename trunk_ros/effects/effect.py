@@ -255,15 +255,13 @@ class Effect(ABC):
         """When it begins, changes its size and ends, and the same of what it makes the arm carry."""
         if not cls.begins:
             return ()
-        shared = cls.parameters[0].shared
-        own = FROM, UNTIL, *([GROWN] if cls.grows else []), *LATER
-        lead = cls.parameters[0]
+        lead, own = cls.parameters[0], (FROM, UNTIL, *([GROWN] if cls.grows else []), *LATER)
         loads = [
             replace(_of_size(m, p), name=f"{p.name}_{m.name}", shared=True)
             for p in cls.carried()
             for m in (FROM, UNTIL, *LATER)
         ]
-        return (*(replace(_of_size(m, lead), shared=shared) for m in own), *loads)
+        return (*(replace(_of_size(m, lead), shared=lead.shared) for m in own), *loads)
 
     @classmethod
     def used(cls, form: str) -> tuple[Parameter, ...]:
