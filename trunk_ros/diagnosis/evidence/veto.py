@@ -81,13 +81,12 @@ def _is_untouched(before: Fit, now: Fit, name: str) -> bool:
 
 def _better(part: Fit, found: Mapping[str, Evidence]) -> Fit | None:
     """The best fit with a rival that explains more than the name in the place of which it was tried, of those
-    that the motion can show; or with fewer names for the same joints. None where none is better. What a zero
-    explains, many names do that go by a posture far from angle 0: none takes its place.
+    that the motion can show; or with fewer names for the same joints. None where none is better.
     """
     ahead = [
         _in_its_place(part.hypothesis, name, rival, there)
         for name, told in found.items()
-        for rival, there in ({} if effect(name).shifts_readings else told.fitted).items()
+        for rival, there in told.fitted.items()
         if told.rivals[rival] < 0.0 and name not in part.context.known
         if _is_shown(part.context, there[rival])
     ]

@@ -95,9 +95,8 @@ def open_kinds(context: Context, hypothesis: Hypothesis, column: int) -> list[ty
     """Effects of its own that a column may have besides those that it has; beside a curve there is room for
     none.
     """
-    kinds = [effect(term.effect) for term in hypothesis.on(column)]
-    own = [kind for kind in kinds if not (kind.everywhere or kind.shifts_readings)]
-    if len(own) >= OWN or any(not kind.named for kind in own):
+    own = [t for t in hypothesis.on(column) if not effect(t.effect).everywhere]
+    if len(own) >= OWN or any(not effect(t.effect).named for t in own):
         return []
     return [k for k in local_kinds(context) if is_open(context, hypothesis, k, column)]
 
@@ -124,13 +123,6 @@ def breaking_kinds(context: Context, hypothesis: Hypothesis, column: int) -> lis
 def own_effects(hypothesis: Hypothesis, column: int) -> list[str]:
     """Effects that a joint has of its own, or by values of its own."""
     return [t.effect for t in hypothesis.on(column) if not effect(t.effect).everywhere or _by_itself(t)]
-
-
-def but_for_zeros(hypothesis: Hypothesis, column: int) -> list[str]:
-    """The same without the zero of its sensor: that stays where all else is chosen anew, as whatever is
-    chosen would be bent to it.
-    """
-    return [name for name in own_effects(hypothesis, column) if not effect(name).shifts_readings]
 
 
 def _by_itself(term: Term) -> bool:

@@ -10,10 +10,9 @@ from dataclasses import replace
 
 from trunk_ros.diagnosis.arrivals import arrived
 from trunk_ros.diagnosis.context import Context
-from trunk_ros.diagnosis.levels import LITTLE, PART, REFITTED
-from trunk_ros.diagnosis.search.candidates import Candidate, extended, local_kinds
+from trunk_ros.diagnosis.levels import LITTLE, REFITTED
 from trunk_ros.diagnosis.search.descent import Desk, Move, descend, of
-from trunk_ros.diagnosis.search.fit import Fit, costed, refit, refit_column
+from trunk_ros.diagnosis.search.fit import Fit, costed, refit
 from trunk_ros.diagnosis.search.formed import measured
 from trunk_ros.diagnosis.search.looked_again import renewed
 from trunk_ros.diagnosis.search.moves import CURVE, DROP, FURTHER_JOINTS, MOVES, NAMED, PLAINER
@@ -27,7 +26,7 @@ def search(context: Context, desk: Desk) -> Fit:
     even where the work that was granted is done, as far as what is granted on top goes. What is claimed is
     judged in the noise that it leaves itself: what was left out since had told another one.
     """
-    first = renewed(zeroed(begun(context)))
+    first = renewed(begun(context))
     best = descend(first, MOVES, desk, steady=True)
     others = sorted(additions(first, desk), key=score)[1:REFITTED] if incomplete(best) else []
     for other in others:
@@ -71,22 +70,6 @@ def begun(context: Context) -> Fit:
     """What is known, fitted; all else is measured by what it leaves."""
     first = refit(arrived(context, context.known), context.known)
     return replace(first, context=measured(first))
-
-
-def zeroed(first: Fit) -> Fit:
-    """With the zeros of joints that are nearly all that there is to explain: what is sought is sought beside
-    them, as all that is put in before would be bent to them.
-    """
-    best, context = first, first.context
-    for kind in (k for k in local_kinds(context) if k.shifts_readings):
-        start = {p.name: p.null for p in kind.parameters}
-        had = context.known[kind.id].own if kind.id in context.known else {}
-        for column in (c for c in context.columns if c not in had):
-            there = extended(context, best.hypothesis, Candidate(kind.id, kind.forms[0], column, start))
-            trial = refit_column(best, there, column)
-            if trial.rest(column) < PART * best.rest(column) and beats(trial, best):
-                best = trial
-    return best
 
 
 def plain(now: Fit) -> Fit:

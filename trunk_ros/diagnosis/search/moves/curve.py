@@ -12,11 +12,10 @@ import numpy as np
 
 from trunk_ros.diagnosis.discrepancy.curves import curve_fit, drawn_on, promised
 from trunk_ros.diagnosis.levels import LITTLE, SEVERAL
-from trunk_ros.diagnosis.search.candidates import OWN, but_for_zeros, own_effects
+from trunk_ros.diagnosis.search.candidates import OWN, own_effects
 from trunk_ros.diagnosis.search.credible import hidden
 from trunk_ros.diagnosis.search.descent import LARGE, Desk, Group, Move
 from trunk_ros.diagnosis.search.fit import Fit, fit
-from trunk_ros.diagnosis.search.formed import but_for_a_zero
 from trunk_ros.diagnosis.search.moves.add import law_of_all, trials
 from trunk_ros.diagnosis.search.score import beats, priced, prices, score, with_curves_at_least
 from trunk_ros.diagnosis.search.screen import PROMISED
@@ -44,12 +43,10 @@ def _hopeless(best: Fit, desk: Desk, column: int) -> bool:
     promises in their place. Where one is there, it may give way to one with more to it, which is no further
     name.
     """
-    local = but_for_zeros(best.hypothesis, column)
+    local = own_effects(best.hypothesis, column)
     if not local or column in best.hypothesis.curved:
         return False
     nominal = best.context.whitened(best.context.known, column)
-    if len(local) < len(own_effects(best.hypothesis, column)):
-        nominal = but_for_a_zero(best.context, column, nominal)
     each = (float(nominal @ nominal) - best.cost[column]) / len(local)
     if not any(effect(name).everywhere for name in local):
         further = (trial.cost for (_, alone), trial in trials(best, desk, [column])[0].items() if alone)
@@ -80,7 +77,7 @@ def _on_joints(best: Fit, desk: Desk, columns: list[int]) -> Iterator[Fit]:
     for column in columns:
         if best.context.work.over:
             break
-        local = but_for_zeros(now.hypothesis, column)
+        local = own_effects(now.hypothesis, column)
         named = all(effect(name).named for name in local)
         key = ("curve", column, *state_of(now, [column]))
         open_ = now.beyond_noise(column) > 0.0 or _may_replace(now, column, local)
@@ -102,10 +99,10 @@ def _with_those_beside(now: Fit, trial: Fit) -> Fit:
     the place of, where these explain clearly more.
     """
     for column in sorted({c for term in trial.hypothesis.values() for c in hidden(trial.context, term)}):
-        local = but_for_zeros(trial.hypothesis, column)
+        local = own_effects(trial.hypothesis, column)
         if all(effect(name).named for name in local):
             drawn = min(_curved(trial, column, local), key=score, default=trial)
-            trial = drawn if _is_clear(now, drawn, column, but_for_zeros(now.hypothesis, column)) else trial
+            trial = drawn if _is_clear(now, drawn, column, own_effects(now.hypothesis, column)) else trial
     return trial
 
 

@@ -5,15 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterator
 from functools import partial
 
-import numpy as np
-
-from trunk_ros.diagnosis.discrepancy.curves import drawn_on, followed
+from trunk_ros.diagnosis.discrepancy.curves import followed
 from trunk_ros.diagnosis.search.credible import hidden
 from trunk_ros.diagnosis.search.descent import Desk, Group, Move
 from trunk_ros.diagnosis.search.fit import Fit, refit, refit_column
 from trunk_ros.diagnosis.search.trial import refit_to_win
 from trunk_ros.effects import effect
-from trunk_ros.effects.curve import VALUES
 
 
 def groups(best: Fit, desk: Desk) -> Iterator[Group]:
@@ -28,18 +25,8 @@ def groups(best: Fit, desk: Desk) -> Iterator[Group]:
 
 def _fewer(best: Fit, own: list[str], column: int) -> Iterator[Fit]:
     for name in own:
-        trial = refit_column(best, best.hypothesis.without(name, column), column)
-        yield trial if _is_apart(best, name, column) else followed(trial, [column])
-
-
-def _is_apart(best: Fit, name: str, column: int) -> bool:
-    """Whether a zero is further off than the curves beside it go: it is no part of what they draw."""
-    if not effect(name).shifts_readings:
-        return False
-    zero = best.hypothesis[name].own[column][effect(name).parameters[0].name]
-    drawn = [term.own[column] for term in drawn_on(best.context, best.hypothesis, column)]
-    spans = [np.ptp([own[p.name] for p in VALUES]) for own in drawn]
-    return bool(spans) and abs(zero) > max(spans)
+        less = best.hypothesis.without(name, column)
+        yield followed(refit_column(best, less, column), [column])
 
 
 def _everywhere(best: Fit, name: str) -> Iterator[Fit]:

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from functools import partial
 
 from trunk_ros.diagnosis.levels import REFITTED
-from trunk_ros.diagnosis.search.candidates import but_for_zeros
+from trunk_ros.diagnosis.search.candidates import own_effects
 from trunk_ros.diagnosis.search.descent import Desk, Group, Move
 from trunk_ros.diagnosis.search.fit import Fit, refit_column
 from trunk_ros.diagnosis.search.moves.add import trials
@@ -16,7 +16,7 @@ from trunk_ros.diagnosis.search.score import beats, score
 def groups(best: Fit, desk: Desk) -> Iterator[Group]:
     """Joints whose own effects leave more than noise, or have no name."""
     for column in best.context.columns:
-        own = but_for_zeros(best.hypothesis, column)
+        own = own_effects(best.hypothesis, column)
         if own and (column in best.hypothesis.curved or best.beyond_noise(column) > 0.0):
             yield Group(column, [column], partial(_anew, best, desk, column, own))
 

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from functools import partial
 from itertools import combinations
 
-from trunk_ros.diagnosis.search.candidates import but_for_zeros, open_kinds
+from trunk_ros.diagnosis.search.candidates import open_kinds, own_effects
 from trunk_ros.diagnosis.search.descent import Desk, Group, Move
 from trunk_ros.diagnosis.search.fit import Fit
 from trunk_ros.diagnosis.search.trial import PROMISING, Look, looks, most_promising, refitted
@@ -16,7 +16,7 @@ from trunk_ros.effects import confused
 def groups(best: Fit, desk: Desk) -> Iterator[Group]:
     """Joint by joint."""
     for column in best.context.columns:
-        if but_for_zeros(best.hypothesis, column):
+        if own_effects(best.hypothesis, column):
             yield Group(column, [column], partial(_swapped, best, column))
 
 
@@ -30,7 +30,7 @@ def _swapped(best: Fit, column: int) -> Iterator[Fit]:
 
 
 def _looks(best: Fit, column: int) -> Iterator[Look]:
-    local = but_for_zeros(best.hypothesis, column)
+    local = own_effects(best.hypothesis, column)
     for gone in [*((a,) for a in local), *combinations(local, 2)]:
         bare = best.hypothesis.less(gone, column)
         like = {other for name in gone for other in confused(name)}
