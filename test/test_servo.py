@@ -61,7 +61,6 @@ def test_it_is_the_reference_integration(rows: int) -> None:
     ("effect", "values", "changed"),
     [
         ("servo_bandwidth", {"relative": -0.3}, {"kp": 14.0}),
-        ("servo_bandwidth", {"relative": -0.3, "velocity_loop": 0.5}, {"kp": 14.0, "tau": 0.03}),
         ("velocity_saturation", {"v_max": 0.4}, {"v_max": 0.4}),
         ("velocity_saturation", {"v_max": 3.0}, {}),
     ],
@@ -229,7 +228,6 @@ def test_a_curve_over_speed_acts_where_the_angle_is_not_known_beforehand() -> No
     ("effect", "values"),
     [
         ("servo_bandwidth", {"relative": -0.4}),
-        ("servo_bandwidth", {"relative": 0.0, "velocity_loop": 0.7}),
         ("servo_delay", {"delay": 0.05}),
         ("velocity_saturation", {"v_max": 0.3}),
         ("load_droop", {"gain": 0.05, "form": "weight"}),

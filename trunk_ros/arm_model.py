@@ -95,10 +95,7 @@ class ArmModel:
         """A number of the arm, such as its ``ratio``, with what was found of it."""
         number = getattr(self.arm, name)
         for found, values in self.in_order():
-            kind = effect(found)
-            number = kind.changed(number, values) if kind.changes == name else number
-            if factor := values.get(kind.multiplies.get(name, "")):
-                number = number * (1.0 + factor)
+            number = effect(found).changed(number, values) if effect(found).changes == name else number
         return number
 
     def prompt(self) -> Self:

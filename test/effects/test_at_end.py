@@ -37,7 +37,7 @@ WIRE: dict[str, dict[str, Any]] = {
 }  # fmt: skip
 SERVO: dict[str, dict[str, Any]] = {
     "servo_delay": {"delay": 0.02},
-    "servo_bandwidth": {"relative": -0.2, "velocity_loop": 0.3},
+    "servo_bandwidth": {"relative": -0.2},
     "load_droop": {"gain": 0.02, "form": "weight"},
     "velocity_saturation": {"v_max": 1.0},
     "cogging": {"amplitude": 2e-3, "cycles_per_rev": 24.0, "phase": np.full(3, 0.5)},

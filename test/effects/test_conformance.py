@@ -89,7 +89,6 @@ def test_at_its_null_it_changes_nothing(name: str, form: str) -> None:
     with_lead_at_null |= {
         more: np.zeros(5) for more in ("gain_2", "gain_3", "drag", "rubbing", "bend") if more in values
     }
-    with_lead_at_null |= dict.fromkeys(kind.multiplies.values(), 0.0)  # other numbers, by themselves
     if kind.stage == "arm":  # a shift has no leading direction
         nulls = {p.name: p.null if p.shared else np.full(5, p.null) for p in kind.parameters}
         with_lead_at_null |= {name: null for name, null in nulls.items() if name in values}

@@ -102,25 +102,6 @@ def test_servos_of_any_numbers_go_as_simulate_has_them(servo: dict[str, Any]) ->
     assert np.abs(off[20:]).max() < 1e-3
 
 
-@pytest.mark.parametrize("relative", [0.0, -0.3])
-@pytest.mark.parametrize("velocity_loop", [-0.5, 0.8])
-def test_a_velocity_loop_of_its_own_goes_as_simulate_has_it(relative: float, velocity_loop: float) -> None:
-    model = Model(ARM, {"servo_bandwidth": {"relative": relative, "velocity_loop": velocity_loop}})
-    phi = Chain(model, "servo").run(setpoints(1)[:, 0], STAMP)[0]
-    expected, given = (Chain(m, "wire").run(phi, STAMP)[0] for m in (model, Model(ARM)))
-    np.testing.assert_array_equal(expected, given)
-    off = readings(model, 1)[:-1, 0] - expected[1:]
-    assert np.abs(off[20:]).max() < 3e-4
-
-
-def test_a_velocity_loop_that_a_simulator_has_is_its_own() -> None:
-    theirs = Model(ARM, {"servo_bandwidth": {"relative": 0.0, "velocity_loop": 0.5}})
-    assert missing(Model(ARM), theirs).model.arm.tau_v == pytest.approx(1.5 * ARM.tau_v)
-    arm = Model(ARM, {"servo_bandwidth": {"relative": 0.0, "velocity_loop": 0.8}})
-    assert missing(arm, theirs).model.number("tau_v") == pytest.approx(1.8 * ARM.tau_v)
-    assert not missing(arm, arm).model.effects
-
-
 def test_what_a_simulator_has_of_each_joint_is_taken_from_what_all_of_the_arm_share() -> None:
     each = np.array([0.1, 0.0, -0.2, 0.0, 0.0])
     theirs = Model(ARM, {"servo_bandwidth": {"relative": each, "form": "apart"}})

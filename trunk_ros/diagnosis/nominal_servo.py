@@ -121,7 +121,7 @@ def _period(recordings: Sequence[Recording]) -> float:
 def with_its_setpoints(model: Model, recordings: Sequence[Recording]) -> Model:
     """A model that says its servos, with setpoints that are samples of what moves on between them, where it
     does not say what they are and loops that effects can make of its own are then clearly nearer to the
-    shafts, and others of its velocity loops no nearer: samples look like servos that are quicker than told.
+    shafts: samples look like servos that are quicker than told, by half of the time between two of them.
     """
     if model.setpoints_stated or model.setpoints == SAMPLED:
         return model
@@ -129,8 +129,7 @@ def with_its_setpoints(model: Model, recordings: Sequence[Recording]) -> Model:
         return model
     sampled = replace(model, setpoints=SAMPLED)
     left, less = (_left(each, recordings) for each in (model, sampled))
-    nearer = CLEARLY * less < left and CLEARLY * _left(model, recordings, any_tau_v=True) >= less
-    return sampled if nearer else model
+    return sampled if CLEARLY * less < left else model
 
 
 def _leads(context: Context, column: int, joint: int, model: Model, recordings: Sequence[Recording]) -> bool:
@@ -148,15 +147,17 @@ def _leads(context: Context, column: int, joint: int, model: Model, recordings: 
     return bool(steps[1] * STEPS[3] < -_period(recordings) / 4.0)
 
 
-def _left(model: Model, recordings: Sequence[Recording], any_tau_v: bool = False) -> float:
-    """What loops like a model's leave, rms [rad], of other gains, delays, top speeds and velocity loops."""
+def _left(model: Model, recordings: Sequence[Recording]) -> float:
+    """What loops like those of a model leave, rms [rad], of other gains, delays and top speeds, as effects
+    make them.
+    """
     numbers, squares = _numbers_of(model.arm), 0.0
     for context, column, joint in _moved(model, recordings):
         loop, told = Loop.of(context, column), numbers[:, joint]
         rest = but_for_a_lag(context, column, loop.residual(told))
         cost = float(rest @ rest)
         if not is_explained(loop, cost):
-            tau_v, share = None if any_tau_v else float(told[1]), None if told[-1] else -1
+            tau_v, share = float(told[1]), None if told[-1] else -1
             for top, method in product((told[TOP_SPEED][0], fastest_of(context, column)), METHODS):
                 start = loop.at(np.where(TOP_SPEED, top, told))[:share]
                 cost = min(cost, loop.left(numbers_of(loop.fitted(start, method, tau_v).x, tau_v)))

@@ -22,6 +22,7 @@ from trunk_ros.parameter import FROM, GROWN, LATER, UNTIL, Parameter
 Stage = Literal["servo", "wire", "arm"]
 Regime = Literal["always", "posture", "reversal", "hold", "low_speed", "high_speed", "time"]
 
+
 AT_REST = ("always", "time", "reversal")  # regimes shown by a joint that others move and not its motor
 UNTOLD = ("reversal", "hold", "time")  # regimes of which a joint that never comes back shows nothing
 
@@ -78,8 +79,6 @@ class Effect(ABC):
     """Its first parameter is a constant in a joint's reading, as where its sensor's zero is off."""
     changes: ClassVar[str] = ""
     """The number of the arm that it says is another one, such as ``ratio`` or ``kp``; see ``changed``."""
-    multiplies: ClassVar[Mapping[str, str]] = {}
-    """Further ones: each times 1 more than a value of it."""
     begins: ClassVar[bool] = False
     """It may begin or end in the middle of a recording."""
     grows: ClassVar[bool] = False

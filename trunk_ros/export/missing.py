@@ -55,15 +55,14 @@ def missing(model: AnyModel, simulation: ArmModel | None = None) -> Missing[AnyM
     for name in theirs.effects:
         if name not in model.effects and name not in (*PLAY, "ratio_error"):
             remarks.append(EXCESS.format(name, "the arm has none"))
-    servo = replace(theirs, arm=model.arm)
+    servo = replace(theirs, arm=model.arm).number("kp")
     there = replace(theirs.arm, delay=0.0, feedforward=0.0) if simulation is None else theirs.arm
     arm = replace(
         model.arm,
         ratio=ratio_of(theirs),
         dead_band=0.0 * wider,
         wire=None,
-        kp=servo.number("kp"),
-        tau_v=servo.number("tau_v"),
+        kp=servo,
         delay=np.maximum(model.arm.delay - there.delay, 0.0),
         feedforward=np.maximum(model.arm.feedforward - there.feedforward, 0.0),
     )
@@ -86,10 +85,7 @@ def _less(
     form = str(values.get("form", kind.forms[0]))
     lead = kind.own_parameters(form)[0]
     mine, own = (np.asarray(v.get(lead.name, lead.null), dtype=float) for v in (values, theirs))
-    further = {
-        k: (1.0 + values.get(k, 0.0)) / (1.0 + theirs.get(k, 0.0)) - 1.0 for k in kind.multiplies.values()
-    }
-    if np.allclose(mine, own, rtol=1e-3, atol=1e-9) and not any(further.values()):
+    if np.allclose(mine, own, rtol=1e-3, atol=1e-9):
         return {}
     if lead.null != 0.0 or lead.scale == "log" or not kind.scalable or not kind.named:
         remarks.append(CHANGED.format(kind.id))
@@ -104,9 +100,9 @@ def _less(
     if lead.bounds[0] == 0.0 and np.any(left < 0.0):
         remarks.append(EXCESS.format(kind.id, listed(joints, -np.minimum(left, 0.0), lead.unit)))
         left = np.maximum(left, 0.0)
-    if not np.any(left) and not any(further.values()):
+    if not np.any(left):
         return {}
-    return {**values, **further, lead.name: float(left) if lead.shared else left}
+    return {**values, lead.name: float(left) if lead.shared else left}
 
 
 def listed(joints: tuple[str, ...], sizes: Array, unit: str) -> str:

@@ -154,8 +154,8 @@ class MjcfWriter(MjcfFile):
         return self._late(ready, "sensor_delay", values)
 
     def servo_bandwidth(self, values: Values) -> Values:
-        """The actuators' gain; of a velocity loop they have none."""
-        if not all(self.drives.values()) or values.get("velocity_loop"):
+        """The actuators' gain."""
+        if not all(self.drives.values()):
             return values
 
         def write(joint: str, more: float) -> bool:

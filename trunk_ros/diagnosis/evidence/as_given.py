@@ -8,8 +8,6 @@ from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from functools import reduce
 
-import numpy as np
-
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.discrepancy.curves import followed
@@ -18,7 +16,6 @@ from trunk_ros.diagnosis.levels import NEARLY
 from trunk_ros.diagnosis.search.credible import unshown
 from trunk_ros.diagnosis.search.fit import Fit, change, refit
 from trunk_ros.diagnosis.search.formed import behind
-from trunk_ros.diagnosis.search.moves.option import put_down
 from trunk_ros.diagnosis.search.moves.swap_all import alike
 from trunk_ros.diagnosis.search.score import naming, needed, price_of_change
 from trunk_ros.effects import effect
@@ -57,8 +54,6 @@ def _unrounded(state: Fit) -> Hypothesis | None:
     context, found = state.context, state.hypothesis
     if context.stage.name != "servo":
         return None
-    if (stepped := _as_stepped(context, found)) is not None:
-        return stepped
     later = {c: behind(context, c) for c in context.columns}
     changes = {n: _changes(context, found, [n]) for n in sorted(found.keys() - context.known.keys())}
     lags = [n for n, each in changes.items() if _is_lag(each, later)]
@@ -75,20 +70,6 @@ def _unrounded(state: Fit) -> Hypothesis | None:
     curves = ((n, c) for n, each in changes.items() if not effect(n).named for c in each if c in found[n].own)
     small = (one for one in curves if _size(changes[one[0]][one[1]]) < needed(state, one[1:]))
     return next((found.without(*one) for one in small), None)
-
-
-def _as_stepped(context: Context, found: Hypothesis) -> Hypothesis | None:
-    """Without what makes a time of a servo's loop another one by no more than a step: a loop that goes on all
-    the time is as one whose velocity loop takes half of one longer. None where there is none.
-    """
-    for name in found.keys() - context.known.keys():
-        for number, option in effect(name).multiplies.items():
-            off = abs(found[name].shared.get(option, 0.0)) * float(np.min(getattr(context.arm, number)))
-            if 0.0 < off < 2.0 * context.stage.ahead:
-                less = found.copy()
-                put_down(less[name], option)
-                return less
-    return None
 
 
 def _size(change: Array) -> float:

@@ -1,7 +1,6 @@
-"""The position loop is slower or faster than nominal, or its velocity loop is."""
+"""The position loop is slower or faster than nominal."""
 
 from collections.abc import Mapping
-from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -12,16 +11,13 @@ from trunk_ros.parameter import Parameter
 
 
 class ServoBandwidth(Effect):
-    """Kp (1 + relative), tau_v (1 + velocity_loop)."""
+    """Kp (1 + relative)."""
 
     id = "servo_bandwidth"
-    sizes = ("relative", "velocity_loop")
+    sizes = ("relative",)
     stage, place, regime = "servo", 100, "high_speed"
     signature = "The gearbox lags the setpoint in proportion to speed, more or less than nominal."
-    source = (
-        "Position loop with gain Kp: velocity lag v/Kp; a velocity loop that takes tau_v lags it by tau_v/Kp "
-        "times the acceleration."
-    )
+    source = "Position loop with gain Kp: velocity lag v/Kp."
     parameters = (
         Parameter(
             "relative",
@@ -32,22 +28,11 @@ class ServoBandwidth(Effect):
             shared=True,
             relative=True,
         ),
-        Parameter(
-            "velocity_loop",
-            "1",
-            (-0.95, 9.0),
-            "relative error of the velocity loop's time constant",
-            typical=0.1,
-            shared=True,
-            optional=True,
-            relative=True,
-        ),
     )
     forms = ("alike", "apart")
     apart = "apart"
     everywhere = begins = True
     changes = "kp"
-    multiplies = MappingProxyType({"tau_v": "velocity_loop"})
     compensable = False
     imitated_by = ("thinned", "wandering_latency")
     confused_with = (
@@ -60,10 +45,3 @@ class ServoBandwidth(Effect):
 
     def adjust(self, core: Core, now: Now) -> None:
         core.kp = core.kp * (1.0 + self["relative"])
-        if np.any(self["velocity_loop"]):
-            core.tau_v = core.tau_v * (1.0 + self["velocity_loop"])
-
-    @classmethod
-    def own_parameters(cls, form: str) -> tuple[Parameter, ...]:
-        gain, velocity_loop = cls.parameters
-        return (cls.of_each()[0], velocity_loop) if form == cls.apart else (gain, velocity_loop)
