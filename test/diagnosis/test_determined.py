@@ -42,18 +42,18 @@ def test_the_scale_of_a_value_does_not_matter_and_one_that_is_not_seen_is_not_ju
 
 
 def told(hidden: float, start: float) -> tuple[Determined, str]:
-    """Of a fit of a zero offset to a joint whose zero is off by ``hidden`` rad; the bound is 10 rad."""
-    made = recorded({"zero_offset": {"offset": on(2, hidden)}}, 20.0)
+    """Of a fit of a ratio error to a joint whose ratio is off by ``hidden``; the bound is 100."""
+    made = recorded({"ratio_error": {"relative": on(2, hidden)}}, 20.0)
     model = load_model("trunk").for_joints(made.joints)
     context = first_look(WireStage([wire_span(made, model)], model, made.units))
-    term = Term("zero_offset", own={1: {"offset": start}})
-    return determined(refit(context, Hypothesis({"zero_offset": term}))), context.joints[1]
+    term = Term("ratio_error", own={1: {"relative": start}})
+    return determined(refit(context, Hypothesis({"ratio_error": term}))), context.joints[1]
 
 
 def test_a_value_that_the_data_push_against_its_bound_is_said_to_be_there() -> None:
-    beyond, joint = told(hidden=10.3, start=9.9)
-    assert beyond.at_bound == [AtBound(Place("zero_offset", "offset", joint), "upper", 10.0, "rad")]
-    inside, _ = told(hidden=9.7, start=9.9)
+    beyond, joint = told(hidden=103.0, start=99.0)
+    assert beyond.at_bound == [AtBound(Place("ratio_error", "relative", joint), "upper", 100.0, "1")]
+    inside, _ = told(hidden=97.0, start=99.0)
     assert inside.at_bound == []
 
 

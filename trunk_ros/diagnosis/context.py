@@ -48,7 +48,7 @@ class Context:
     """Counts the looks at the arm that differed from the one before."""
     louder: Louder = CONSTANT
     misfit: Mapping[int, float] = field(default_factory=dict)
-    """Squared unit-noise residual above the noise that the nominal arm leaves but for zeros, by column."""
+    """Squared unit-noise residual above the noise that the nominal arm leaves, by column."""
     formed_misfit: Mapping[int, float] = field(default_factory=dict)
     """The same with the right ratio where that was not known, and but for a lag of all joints."""
     wanders: Mapping[int, Noise] = field(default_factory=dict)

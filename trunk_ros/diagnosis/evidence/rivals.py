@@ -129,7 +129,7 @@ def _local_rivals(
             goal = state.cost[c] + far
             fits = [refit_column(bare, extended(context, bare.hypothesis, x), c, goal) for x in trials]
             fits = [f for f in fits if c not in hidden(context, f.hypothesis[name])]
-            best = min(fits, key=lambda f: f.cost[c], default=bare)
+            best = min(fits, key=priced, default=bare)  # a form with more to it has to gain that
             cost[c] = best.cost[c]
             fitted.take(c, best.hypothesis)
         if len(without(fitted, name, columns)) < len(new[name]):  # else the motion hides it on all of them

@@ -23,9 +23,8 @@ by other laws, what was said beside the right names explained up to 0.0008.
 
 
 def measured(first: Fit) -> Context:
-    """The context of a first fit, in which all else is measured by what that leaves with the right zero."""
-    context, seen = first.context, first.hypothesis
-    misfit = {c: max(left_but_for_a_zero(context, seen, c) - context.count(c), 0.0) for c in first.cost}
+    """The context of a first fit, in which all else is measured by what that leaves."""
+    context, misfit = first.context, {c: first.rest(c) for c in first.cost}
     return replace(context, misfit=misfit, formed_misfit=formed_misfits(first))
 
 
