@@ -50,7 +50,7 @@ class Context:
     misfit: Mapping[int, float] = field(default_factory=dict)
     """Squared unit-noise residual above the noise that the nominal arm leaves, by column."""
     formed_misfit: Mapping[int, float] = field(default_factory=dict)
-    """The same with the right ratio where that was not known, and but for a lag of all joints."""
+    """The same with the right zero, with the right ratio where that was not known, and but for a lag."""
     wanders: Mapping[int, Noise] = field(default_factory=dict)
     """The noise of columns that show nothing else than one that wanders."""
     claims: bool = False
