@@ -350,6 +350,28 @@ def test_what_joints_share_is_held_in_a_motion_that_only_others_show(
     assert pinned.unfitted() == pytest.approx(pinned.linear()) == 0.0
 
 
+def test_what_earlier_recordings_hold_is_held_about_the_middle_of_the_motion_as_well(
+    designed: tuple[Context, Experiment],
+) -> None:
+    """Rivals had been refitted by steps that left out what earlier recordings hold."""
+    context, done = designed
+    ripple = {"amplitude": 1e-3, "cycles_per_rev": 12.0, "phase": 1.0}
+    waves = Other(
+        context, Hypothesis({"transmission_ripple": Term("transmission_ripple", own={2: ripple})}), 0.0
+    )
+    (pinned,) = waves.pinned(context.over([span_of(context, done.motion)]), [2])
+    x = pinned.at * 1.01
+    turn, jacobian, rest = pinned.turned(np.eye(len(x))), pinned.jacobian(x), pinned(x)
+    assert not np.allclose(turn, np.eye(len(x)))
+    for change, (slope, curvature) in (
+        (np.eye(len(x)), pinned.normal(x)),
+        (turn, pinned.normal_about(x)),
+    ):
+        moved = jacobian @ change
+        assert slope == pytest.approx(moved.T @ rest, rel=1e-3, abs=1e-3 * np.abs(slope).max())
+        assert curvature == pytest.approx(moved.T @ moved, rel=1e-3, abs=1e-3 * np.abs(curvature).max())
+
+
 def test_units_are_those_of_the_joints(designed: tuple[Context, Experiment]) -> None:
     (told,) = proposals(designed[1], FILE, {"joint_3": "m"})
     assert "mm" in told["statement"]

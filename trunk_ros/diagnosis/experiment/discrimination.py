@@ -58,7 +58,7 @@ class Pinned(Residuals):
         is free, also where the new motion hardly moves a joint that shares it.
         """
         super().__init__(there, earlier.hypothesis, earlier.columns)
-        self.free, self.scale = earlier.free, earlier.scale
+        self.free, self.scale, self.turn = earlier.free, earlier.scale, earlier.turn
         self.at = np.clip(self.hypothesis.free_values(self.free), *bounds(self.free))
         values, directions = np.linalg.eigh(normal)
         self.root = np.sqrt(np.maximum(values, 0.0))[:, None] * directions.T
@@ -70,8 +70,14 @@ class Pinned(Residuals):
         return np.vstack([super().jacobian(x), self.root])
 
     def normal(self, x: Array) -> tuple[Array, Array]:
-        side, square = super().normal(x)
-        return side + self.root.T @ (self.root @ (x - self.at)), square + self.root.T @ self.root
+        return self._held(super().normal(x), self.root, x)
+
+    def normal_about(self, x: Array) -> tuple[Array, Array]:
+        return self._held(super().normal_about(x), self.root @ self.turned(np.eye(len(x))), x)
+
+    def _held(self, free: tuple[Array, Array], root: Array, x: Array) -> tuple[Array, Array]:
+        side, square = free
+        return side + root.T @ (self.root @ (x - self.at)), square + root.T @ root
 
     def unfitted(self) -> float:
         """Squared misfit with the values as they are."""
