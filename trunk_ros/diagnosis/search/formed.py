@@ -28,16 +28,8 @@ def measured(first: Fit) -> Context:
     return replace(context, misfit=misfit, formed_misfit=formed_misfits(first))
 
 
-def left_but_for_a_zero(context: Context, hypothesis: Hypothesis, column: int) -> float:
-    """Squared unit-noise residual that a hypothesis leaves of a column with the right zero."""
-    rest = but_for_a_zero(context, column, context.whitened(hypothesis, column))
-    return float(rest @ rest)
-
-
 def but_for_a_zero(context: Context, column: int, rest: Array) -> Array:
-    """A whitened ``rest`` (rows,) of a column with the right zero: how far a sensor's is off says nothing of
-    the arm, so that nothing is measured by it.
-    """
+    """A whitened ``rest`` (rows,) of a column with the right zero: how far a sensor's is off is no law."""
     zero = context.whiten_change([np.ones(len(view.span.rows)) for view in context.views], column)
     return np.asarray(rest - (rest @ zero) / max(float(zero @ zero), ROUNDED) * zero)
 

@@ -17,7 +17,7 @@ from trunk_ros.diagnosis.evidence.residual_dependence import depends_on, rests
 from trunk_ros.diagnosis.evidence.spreads import Spreads
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
 from trunk_ros.diagnosis.levels import HALF, MOST, ROUGH, SLIGHT, SURE
-from trunk_ros.diagnosis.search.formed import left_but_for_a_zero
+from trunk_ros.diagnosis.search.formed import but_for_a_zero
 from trunk_ros.diagnosis.stage import Stage
 from trunk_ros.diagnosis.verdict import bank_words, curve_words
 from trunk_ros.diagnosis.verdict.answer import Unexplained
@@ -191,8 +191,9 @@ def left_over(
         if power < 1.0:
             continue
         varies = depends_on(context, hypothesis, column)
-        before = left_but_for_a_zero(context, context.known, column) / context.count(column)
-        if before < HALF * float(np.mean(context.whitened(context.known, column) ** 2)):
+        nominal = context.whitened(context.known, column)
+        before = float(np.mean(but_for_a_zero(context, column, nominal) ** 2))
+        if before < HALF * float(np.mean(nominal**2)):
             beside.add(tuple(varies))
         share = float(np.clip(power / max(before - 1.0, power), 0.0, 1.0))
         size = float("nan") if is_none(context.noise[column].std) else float(np.sqrt(power))
