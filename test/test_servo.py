@@ -254,8 +254,8 @@ def test_what_begins_or_ends_in_mid_run_is_the_servo_with_it_and_without_one_aft
     assert off[-100:].max() < 2e-3 * size.max()
 
 
-@pytest.mark.parametrize("held", [0.0, 0.004])
-def test_joints_side_by_side_come_out_as_each_by_itself(held: float) -> None:
+@pytest.mark.parametrize(("held", "ahead"), [(0.0, 0.0), (0.004, 0.0), (0.0, 0.5), (0.004, 0.2)])
+def test_joints_side_by_side_come_out_as_each_by_itself(held: float, ahead: float) -> None:
     columns, rng = 6, np.random.default_rng(3)
     stamp = np.cumsum(rng.choice([0.004, 0.01, 0.011, 0.09], size=400))
     setpoint = np.cumsum(rng.normal(scale=0.02, size=(len(stamp), columns)), axis=0)
@@ -270,12 +270,12 @@ def test_joints_side_by_side_come_out_as_each_by_itself(held: float) -> None:
     arguments[2][1] = 300.0  # stiff: stepped finer than the others
     together, start = np.empty_like(setpoint), rng.normal(size=(4, columns))
     after = start.copy()
-    servo_loops(*arguments, 0, after, together)
+    servo_loops(*arguments, ahead, 0, after, together)
     for j in range(columns):
         some = [a if a is stamp else np.ascontiguousarray(a[..., j : j + 1]) for a in arguments]
         some = [a[..., None, :] if k in OVER_TIME else a for k, a in enumerate(some)]
         alone, state = np.empty((len(stamp), 1)), start[:, j : j + 1].copy()
-        servo_loop(*some, 0, state, alone)
+        servo_loop(*some, ahead, 0, state, alone)
         assert np.array_equal(alone[:, 0], together[:, j])
         assert np.array_equal(state[:, 0], after[:, j])
 

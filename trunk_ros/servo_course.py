@@ -6,9 +6,9 @@ import numpy as np
 from scipy.ndimage import maximum_filter1d, uniform_filter1d
 
 from trunk_ros.arm import Arm
+from trunk_ros.arm.arm import STEP
 from trunk_ros.arm_model import HELD, ArmModel
 from trunk_ros.chain import Chain
-from trunk_ros.effects.servo.loop import STEP
 from trunk_ros.recording.recording import Floats, JointSeries, Recording
 from trunk_ros.recording.signal.encoder import HIDDEN, MEDIAN_TO_STD, ON_GRID
 from trunk_ros.recording.signal.fill import between, fill, hold

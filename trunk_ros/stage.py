@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from trunk_ros.arm import Arm
-from trunk_ros.arm.arm import SERVO_OF_EACH
+from trunk_ros.arm.arm import SERVO_OF_EACH, STEP
 from trunk_ros.arm.body import Body
 from trunk_ros.arm.geometry import Geometry, changed
 from trunk_ros.compiled import Array
@@ -159,6 +159,7 @@ def servo_core(arm: Arm, effects: Sequence[Effect], now: Now, numbers: Array | N
         v_max=v_max,
         delay=delay,
         feedforward=feedforward,
+        ahead=0.5 * (1.0 - arm.step / STEP),
         pull=none,
         load=none,
         torque=none,
@@ -245,7 +246,7 @@ def _step(core: Core, setpoints: Array, stamps: Array, skip: int, state: Array, 
         kp, tau_v, v_max, delay, pull, load, torque, rub = map(np.ascontiguousarray, numbers)  # compiled once
         servo_loop(
             setpoints, stamps, kp, tau_v, v_max, delay, pull, load, torque, rub, reached, core.dead_zone,
-            cogging, skip, state, out,
+            cogging, core.ahead, skip, state, out,
         )  # fmt: skip
         return
     kp, tau_v, v_max, delay, _, _, torque, rub = (number[0] for number in numbers)
@@ -253,8 +254,8 @@ def _step(core: Core, setpoints: Array, stamps: Array, skip: int, state: Array, 
     pull, load, zone = (np.zeros_like(out) + number for number in over_time)
     cogging = np.ascontiguousarray(cogging[:, 0])
     servo_loops(
-        setpoints, stamps, kp, tau_v, v_max, delay, pull, load, torque, rub, reached, zone, cogging, skip,
-        state, out,
+        setpoints, stamps, kp, tau_v, v_max, delay, pull, load, torque, rub, reached, zone, cogging,
+        core.ahead, skip, state, out,
     )  # fmt: skip
 
 

@@ -11,8 +11,8 @@ import pytest
 
 from test.diagnosis.arms import diagnose
 from test.diagnosis.test_nominal_servo import JOINTS, NOISE, PLAIN, _stated, recorded_servos, reference
+from trunk_ros.arm.arm import STEP
 from trunk_ros.compiled import Array
-from trunk_ros.effects.servo.loop import STEP
 from trunk_ros.model import Model, load_model, save_model
 from trunk_ros.recording.recording import JointSeries, Recording
 

@@ -16,6 +16,7 @@ from trunk_ros.errors import ModelError
 
 GRAVITY = 9.81  # m/s^2, along -z
 SERVO_OF_EACH = ("kp", "tau_v", "v_max", "delay", "feedforward")
+STEP = 0.002  # s, in which the reference integrates its servos
 LOADS = ("weight", "weight_and_inertia", "effort")
 
 
@@ -51,6 +52,8 @@ class Arm:
     delay: float | Array = 0.0
     feedforward: float | Array = 0.0
     counts_per_rev: float = 131072.0
+    step: float = STEP
+    """s, in which the servos' loops run; 0: as if without end."""
     wire: Wire | None = field(default=None)
     load_from: str = "weight"
     """One of LOADS: what the joints' moment is taken from. See trunk_ros/resistance.py."""

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from trunk_ros.arm.arm import GRAVITY, LOADS, SERVO_OF_EACH, Arm
+from trunk_ros.arm.arm import GRAVITY, LOADS, SERVO_OF_EACH, STEP, Arm
 from trunk_ros.arm.description import Description
 from trunk_ros.arm.files import urdf_text
 from trunk_ros.arm.parameters import ANY_ANGLE, ANY_JOINTS, SERVO, WIRE_ARRAYS, WIRE_SCALARS, shortened
@@ -54,6 +54,7 @@ def arm_from(flat: Mapping[str, Any], folder: Path | None = None) -> Arm:
         description=description,
         coupling=coupling,
         motors=_motors(flat, here),
+        step=flat.get("servo.step", STEP),
         servo_stated=any(f"servo.{name}" in flat for name in SERVO_OF_EACH),
         **servo,
     )
@@ -183,6 +184,8 @@ def arm_parameters(arm: Arm) -> dict[str, Any]:
     if arm.wire is not None:
         flat |= {f"wire.{name}": float(getattr(arm.wire, name)) for name in WIRE_SCALARS}
         flat |= {f"wire.{name}": getattr(arm.wire, name).tolist() for name in WIRE_ARRAYS}
+    if arm.step != STEP:
+        flat["servo.step"] = float(arm.step)
     encoder = ("counts_per_rev",) if arm.counts_per_rev != SERVO["counts_per_rev"][0] else ()
     said = SERVO if arm.servo_stated else encoder
     servo = {name: np.asarray(getattr(arm, name), dtype=float) for name in said}

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from trunk_ros.arm.arm import GRAVITY, LOADS, SERVO_OF_EACH
+from trunk_ros.arm.arm import GRAVITY, LOADS, SERVO_OF_EACH, STEP
 from trunk_ros.compiled import Array
 from trunk_ros.errors import ModelError
 from trunk_ros.parameter import Declaration
@@ -118,6 +118,13 @@ def declared_arm() -> list[Declaration]:
         *(
             _of_servo(name, value, unit, meaning, large if value == 0.0 else positive)
             for name, (value, unit, meaning) in SERVO.items()
+        ),
+        Declaration(
+            "servo.step",
+            STEP,
+            "s",
+            (0.0, 0.01),
+            "time in which the position and velocity loops run; 0: as if without end",
         ),
         Declaration(
             "recording.duration",

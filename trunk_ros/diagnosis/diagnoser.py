@@ -9,11 +9,11 @@ from functools import partial
 import numpy as np
 
 from trunk_ros.compiled import Array
-from trunk_ros.diagnosis.against import SERVO, Simulator
+from trunk_ros.diagnosis.against import Simulator
 from trunk_ros.diagnosis.aside import aside, size_of
 from trunk_ros.diagnosis.beside import Beside, beside
 from trunk_ros.diagnosis.context import LEAST
-from trunk_ros.diagnosis.data.align import common_joints, hidden_by_gaps, servo_joints, servo_span, wire_span
+from trunk_ros.diagnosis.data.align import common_joints, driven, hidden_by_gaps, servo_span, wire_span
 from trunk_ros.diagnosis.data.counting import with_counting
 from trunk_ros.diagnosis.data.load_cells import celled
 from trunk_ros.diagnosis.data.mix_ups import MixUp, as_if_standing
@@ -21,6 +21,7 @@ from trunk_ros.diagnosis.data.other_simulator import shifted
 from trunk_ros.diagnosis.data.quality import quality_by_name
 from trunk_ros.diagnosis.data.rests import of_few_rests
 from trunk_ros.diagnosis.data.sensing.thinned import how_far_off
+from trunk_ros.diagnosis.described_servo import as_it_runs
 from trunk_ros.diagnosis.drawn import drawn
 from trunk_ros.diagnosis.evidence.at_rest import honest
 from trunk_ros.diagnosis.evidence.cross_validation import Error
@@ -31,7 +32,7 @@ from trunk_ros.diagnosis.experiment.design import experiment, proposals
 from trunk_ros.diagnosis.free_run import free_run
 from trunk_ros.diagnosis.heap import give_back
 from trunk_ros.diagnosis.judged import judged
-from trunk_ros.diagnosis.nominal_servo import Servos, with_its_servo, with_its_setpoints
+from trunk_ros.diagnosis.nominal_servo import Servos, with_its_servo
 from trunk_ros.diagnosis.pace import with_its_clocks
 from trunk_ros.diagnosis.search.fit import Fit
 from trunk_ros.diagnosis.servo import ServoStage
@@ -167,7 +168,9 @@ class Diagnoser:
     def servo(self) -> None:
         """Setpoint to gearbox, where setpoints were recorded, by another simulator as well."""
         other = self.against
-        if (other is not None and not other.has_servo) or not (recorded := self._driven()):
+        if (other is not None and not other.has_servo) or not (
+            recorded := driven(self.recordings, self.model, self.joints)
+        ):
             return
         self.say("servo")
         before, self.model = self.model, self._with_servos(recorded)
@@ -175,28 +178,24 @@ class Diagnoser:
         if other is not None:
             spans = [shifted(s, other.context("servo", r)) for s, r in zip(spans, recorded, strict=True)]
         found = replace(self.model, effects={**self.model.effects, **self.effects})
+        identified = self.model.arm is not before.arm and not before.says_its_servos
         filled = how_far_off(recorded, self.joints)
         del recorded
         with aside(self.size, self.recordings, self.wires):
-            self._stage(ServoStage(spans, found, self.units, filled, self.model.arm is not before.arm))
+            self._stage(ServoStage(spans, found, self.units, filled, identified))
             spans.clear()
 
     def found_servos(self) -> Servos:
         """Those of joints of which the model says nothing and the recordings tell."""
-        recorded = self._driven()
+        recorded = driven(self.recordings, self.model, self.joints)
         return Servos.of(self.model, self._with_servos(recorded) if recorded else self.model)
-
-    def _driven(self) -> list[Recording]:
-        """The recordings that show what the servos were asked."""
-        some = (r for r in self.recordings if set(r.series) >= SERVO)
-        return [r for r in some if servo_joints(r, self.model) == self.joints]
 
     def _with_servos(self, recorded: list[Recording]) -> Model:
         """The model with what it does not say of its servos, from these recordings."""
         if self.against is not None and self.against.learned:
             return replace(self.model, setpoints=with_its_servo(self.model, recorded).setpoints)
         if self.model.says_its_servos:
-            return self.model if self.against else with_its_setpoints(self.model, recorded)
+            return self.model if self.against else as_it_runs(self.model, recorded)
         return with_its_servo(self.model, recorded, self.servos)
 
     def wire(self) -> None:

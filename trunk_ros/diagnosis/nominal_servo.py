@@ -1,6 +1,4 @@
-"""The nominal servo of an arm of whose servos nothing is said, and what recorded setpoints are where that is
-not said: found in the recording first.
-"""
+"""The nominal servo of an arm of whose servos nothing is said: found in the recording first."""
 
 from __future__ import annotations
 
@@ -12,7 +10,7 @@ from typing import Literal
 
 import numpy as np
 
-from trunk_ros.arm.arm import SERVO_OF_EACH, Arm
+from trunk_ros.arm.arm import SERVO_OF_EACH, STEP, Arm
 from trunk_ros.arm_model import SAMPLED
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.against import with_room
@@ -21,11 +19,9 @@ from trunk_ros.diagnosis.data.align import servo_joints, servo_span
 from trunk_ros.diagnosis.data.excerpt import excerpt, moving
 from trunk_ros.diagnosis.first_look import first_look
 from trunk_ros.diagnosis.levels import CLEARLY, LITTLE, SEVERAL, THREEFOLD
-from trunk_ros.diagnosis.search.formed import but_for_a_lag
 from trunk_ros.diagnosis.search.score import SIGNIFICANT
 from trunk_ros.diagnosis.servo import ServoStage
 from trunk_ros.diagnosis.servo_loop import (
-    STEPS,
     TOP_SPEED,
     Loop,
     cost_of,
@@ -35,7 +31,6 @@ from trunk_ros.diagnosis.servo_loop import (
     numbers_of,
     with_top,
 )
-from trunk_ros.effects.servo.loop import STEP
 from trunk_ros.model import Model
 from trunk_ros.recording.recording import Recording
 
@@ -58,7 +53,7 @@ class Servos:
     @staticmethod
     def of(before: Model, found: Model) -> Servos:
         """Those of a model in which they were ``found`` that are not as they were ``before``."""
-        old, new = (_numbers_of(model.arm) for model in (before, found))
+        old, new = (numbers_of_each(model.arm) for model in (before, found))
         changed = np.any(old != new, axis=0)
         told = {joint: tuple(new[:, j].tolist()) for j, joint in enumerate(found.arm.joints) if changed[j]}
         return Servos(told, found.setpoints)
@@ -69,13 +64,13 @@ class Servos:
 
     def on(self, model: Model) -> Model:
         """The model with them, where it has joints of those names."""
-        numbers = _numbers_of(model.arm)
+        numbers = numbers_of_each(model.arm)
         for j, joint in enumerate(model.arm.joints):
             numbers[:, j] = self.numbers.get(joint, numbers[:, j])
         return replace(_with(model, numbers), setpoints=self.setpoints)
 
 
-def _numbers_of(arm: Arm) -> Array:
+def numbers_of_each(arm: Arm) -> Array:
     """(5, joints), as in SERVO_OF_EACH."""
     return np.array([np.full(len(arm.joints), getattr(arm, name)) for name in SERVO_OF_EACH])
 
@@ -103,66 +98,19 @@ def _as_samples(model: Model, recordings: Sequence[Recording], loops: dict[int, 
     """What the loops of a model leave, rms [rad], by joint, with setpoints that are samples of what moves on
     between them: fitted from what they are with setpoints that are held, also as they are late then.
     """
-    numbers, squares = _numbers_of(model.arm), 0.0
-    period = _period(recordings)
-    for context, column, joint in _moved(replace(model, setpoints=SAMPLED), recordings):
+    numbers, squares = numbers_of_each(model.arm), 0.0
+    late = period(recordings) / 2.0
+    for context, column, joint in moved(replace(model, setpoints=SAMPLED), recordings):
         loop = replace(Loop.of(context, column), pulled=loops[joint].pulled)
-        starts = [loop.at(numbers[:, joint] + [0.0, 0.0, 0.0, late, 0.0])[:4] for late in (0.0, period / 2.0)]
+        starts = [loop.at(numbers[:, joint] + [0.0, 0.0, 0.0, k * late, 0.0])[:4] for k in (0, 1)]
         cost = min(2.0 * cost_of(loop.fitted(x, rough=True)) for x in starts)
         squares += cost * context.noise[column].std ** 2 / context.count(column)
     return float(np.sqrt(squares))
 
 
-def _period(recordings: Sequence[Recording]) -> float:
+def period(recordings: Sequence[Recording]) -> float:
     """The usual time between two setpoints [s], where that is longest."""
     return max(float(np.median(np.diff(r.require("setpoints").stamp))) for r in recordings)
-
-
-def with_its_setpoints(model: Model, recordings: Sequence[Recording]) -> Model:
-    """A model that says its servos, with setpoints that are samples of what moves on between them, where it
-    does not say what they are and loops that effects can make of its own are then clearly nearer to the
-    shafts: samples look like servos that are quicker than told, by half of the time between two of them.
-    """
-    if model.setpoints_stated or model.setpoints == SAMPLED:
-        return model
-    if not any(_leads(*seen, model, recordings) for seen in _moved(model, recordings)):
-        return model
-    sampled = replace(model, setpoints=SAMPLED)
-    left, less = (_left(each, recordings) for each in (model, sampled))
-    return sampled if CLEARLY * less < left else model
-
-
-def _leads(context: Context, column: int, joint: int, model: Model, recordings: Sequence[Recording]) -> bool:
-    """Whether a shaft is ahead of the model's loop by a fourth of the time between two setpoints or more, as
-    far as another gain does not say so: held setpoints come half of it late. A linear look, which is cheap.
-    """
-    loop, told = Loop.of(context, column), _numbers_of(model.arm)[:, joint]
-    rest = but_for_a_lag(context, column, loop.residual(told))
-    if is_explained(loop, float(rest @ rest)):
-        return False
-    at, tau_v = loop.at(told), float(told[1])
-    base = loop.residual(numbers_of(at, tau_v))
-    gain, late = (loop.residual(numbers_of(at + np.diag(STEPS)[k], tau_v)) - base for k in (0, 3))
-    steps = np.linalg.lstsq(np.column_stack([gain, late]), -base, rcond=None)[0]
-    return bool(steps[1] * STEPS[3] < -_period(recordings) / 4.0)
-
-
-def _left(model: Model, recordings: Sequence[Recording]) -> float:
-    """What loops like those of a model leave, rms [rad], of other gains, delays and top speeds, as effects
-    make them.
-    """
-    numbers, squares = _numbers_of(model.arm), 0.0
-    for context, column, joint in _moved(model, recordings):
-        loop, told = Loop.of(context, column), numbers[:, joint]
-        rest = but_for_a_lag(context, column, loop.residual(told))
-        cost = float(rest @ rest)
-        if not is_explained(loop, cost):
-            tau_v, share = float(told[1]), None if told[-1] else -1
-            for top, method in product((told[TOP_SPEED][0], fastest_of(context, column)), METHODS):
-                start = loop.at(np.where(TOP_SPEED, top, told))[:share]
-                cost = min(cost, loop.left(numbers_of(loop.fitted(start, method, tau_v).x, tau_v)))
-        squares += cost * context.noise[column].std ** 2 / context.count(column)
-    return float(np.sqrt(squares))
 
 
 def _identified(
@@ -173,8 +121,8 @@ def _identified(
     """
     if set(servo_joints(recordings[0], model)) <= set(known):
         return model, 0.0, {}
-    numbers, squares, found = _numbers_of(model.arm), 0.0, []
-    for context, column, joint in _moved(model, recordings):
+    numbers, squares, found = numbers_of_each(model.arm), 0.0, []
+    for context, column, joint in moved(model, recordings):
         if context.joints[column] not in known:
             loop, numbers[:, joint], cost = _loop(context, column, numbers[:, joint])
             found.append((loop, joint, cost))
@@ -206,13 +154,13 @@ def _fed(model: Model, recordings: Sequence[Recording]) -> Model:
     """The model with servos that are told the speed of their setpoints, where they go like that: a drive that
     follows a profile.
     """
-    numbers = _numbers_of(model.arm)
-    for context, column, joint in _moved(model, recordings):
+    numbers = numbers_of_each(model.arm)
+    for context, column, joint in moved(model, recordings):
         numbers[:, joint] = _told_speed(context, column, numbers[:, joint])
     return _with(model, numbers)
 
 
-def _moved(model: Model, recordings: Sequence[Recording]) -> Iterator[tuple[Context, int, int]]:
+def moved(model: Model, recordings: Sequence[Recording]) -> Iterator[tuple[Context, int, int]]:
     """A look at the servos, and the place in it and in the arm of each joint that was asked to move, and
     did.
     """

@@ -8,6 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from trunk_ros.arm.arm import STEP
 from trunk_ros.chain import Chain
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.data.noise import Noise
@@ -19,7 +20,7 @@ from trunk_ros.diagnosis.side_by_side import Seen, alike, bind_together
 from trunk_ros.diagnosis.stage import STANDING, Sight, Stage
 from trunk_ros.diagnosis.work import Work
 from trunk_ros.effects.effect import Effect, Now
-from trunk_ros.effects.servo.loop import STEP, fresh
+from trunk_ros.effects.servo.loop import fresh
 from trunk_ros.look import slope_of
 from trunk_ros.model import Model
 from trunk_ros.passes import Passes

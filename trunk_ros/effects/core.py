@@ -41,6 +41,8 @@ class Core:
     v_max: Array = field(default_factory=lambda: NONE)
     delay: Array = field(default_factory=lambda: NONE)
     feedforward: Array = field(default_factory=lambda: NONE)
+    ahead: float = 0.0
+    """Part of a step by which the loop sees its shaft go on, as in ``servo_loop``."""
     pull: Array = field(default_factory=lambda: NONE)
     """(1 or n, columns) rad added to the setpoint; the other numbers of the loop likewise."""
     load: Array = field(default_factory=lambda: NONE)

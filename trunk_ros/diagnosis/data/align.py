@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import replace
 
 import numpy as np
@@ -141,6 +142,12 @@ def servo_joints(recording: Recording, model: ArmModel) -> tuple[str, ...]:
     """Joints of which setpoints and gearbox angles were recorded."""
     both = recording.require("setpoints"), recording.require("gearbox_states")
     return common_joints(recording, model, *both)
+
+
+def driven(recordings: Iterable[Recording], model: ArmModel, joints: tuple[str, ...]) -> list[Recording]:
+    """The recordings that show what the servos of ``joints`` were asked, and where these went."""
+    both = (r for r in recordings if set(r.series) >= {"setpoints", "gearbox_states"})
+    return [r for r in both if servo_joints(r, model) == joints]
 
 
 def servo_span(recording: Recording, model: ArmModel) -> Span:

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
+from trunk_ros.arm.arm import STEP
 from trunk_ros.compiled import Array, compiled
+from trunk_ros.guards import ROUNDED
 from trunk_ros.sine import sine
 
-STEP = 0.002  # s
 CLOSE = 0.25  # of the time that a position loop takes: longer steps would make a stiff one swing
 EDGE = 0.01  # of a dead zone, over which the loop's answer rises: with a jump no two runs would agree
 LONGEST = 30.0  # s without a new setpoint, after which a servo stands
@@ -42,6 +43,19 @@ def beyond(error: float, zone: float) -> float:
 
 
 @compiled
+def rise(h: float, tau: float, ahead: float) -> float:
+    """How much of what it is asked for a speed comes nearer to in a step, as in as many of ``1 - 2 ahead`` of
+    it as go into one.
+    """
+    own = (1.0 - 2.0 * ahead) * h
+    if ahead == 0.0 and tau >= h:
+        return h / tau
+    if own <= ROUNDED * h or tau <= own:
+        return -float(np.expm1(-h / tau))
+    return -float(np.expm1(h / own * np.log1p(-own / tau)))
+
+
+@compiled
 def servo_loop(
     setpoint: Array,
     stamp: Array,
@@ -56,6 +70,7 @@ def servo_loop(
     reach: Array,
     dead_zone: Array,
     cogging: Array,
+    ahead: float,
     skip: int,
     state: Array,
     out: Array,
@@ -70,6 +85,8 @@ def servo_loop(
     gain. A wire that sticks keeps its tension: a ``load`` (rad of the setpoint) that changes meanwhile only
     brings it nearer to sliding. Of what wires pull the share ``torque`` acts past the top speed that the
     position loop may ask for, the rest before it.
+    ``ahead`` of a step, the loop sees its shaft go on, and the shaft has the speed that it had: 0 as the
+    reference, 1/2 as one that is integrated exactly, but for the square of the step.
     Within a step that late setpoints fall into, their time-weighted mean acts: the result is smooth in the
     delay.
     """
@@ -94,7 +111,7 @@ def servo_loop(
                 substeps = max(1, int(np.round(span / min(STEP, CLOSE / gain))))
                 h = span / substeps
                 if h != known or tau != lag:
-                    known, lag, smooth = h, tau, -np.expm1(-h / tau) if tau < h else h / tau
+                    known, lag, smooth = h, tau, rise(h, tau, ahead)
                 for i in range(substeps):
                     t = stamp[k] - span + i * h - late
                     while held > 0 and stamp[held] > t + 1e-9:  # where setpoints have just become later
@@ -113,7 +130,7 @@ def servo_loop(
                         stuck = min(max(stuck, phi - reach[j]), phi + reach[j])
                         if rubs != 0.0:
                             tension -= rubs * (phi - stuck) / reach[j]
-                    error = target + (1.0 - past) * tension - phi
+                    error = target + (1.0 - past) * tension - (phi + ahead * h * v)
                     if zone > 0.0:
                         error = beyond(error, zone)
                     v_ref = gain * error
@@ -122,8 +139,9 @@ def servo_loop(
                     elif v_ref < -most:
                         v_ref = -most
                     v_ref += gain * past * tension
+                    before = v
                     v += smooth * (v_ref - v)
-                    phi += h * v
+                    phi += h * (v + ahead * (before - v))
             out[k - skip, j] = phi
         state[0, j] = phi
         state[1, j] = v
@@ -146,6 +164,7 @@ def servo_loops(
     reach: Array,
     dead_zone: Array,
     cogging: Array,
+    ahead: float,
     skip: int,
     state: Array,
     out: Array,
@@ -174,7 +193,7 @@ def servo_loops(
                 h[j] = span / substeps[j]
             if h[j] != known[j]:
                 known[j] = h[j]
-                smooth[j] = -np.expm1(-h[j] / tau_v[j]) if tau_v[j] < h[j] else h[j] / tau_v[j]
+                smooth[j] = rise(h[j], tau_v[j], ahead)
             most = max(most, substeps[j])
             zones = zones or dead_zone[k - skip, j] > 0.0
         for j in range(columns):
@@ -216,7 +235,7 @@ def servo_loops(
                             stuck[j] = min(max(stuck[j], phi[j] - reach[j]), phi[j] + reach[j])
                             tension[j] -= rub[j] * (phi[j] - stuck[j]) / reach[j]
                 for j in range(columns):
-                    error[j] = error[j] + (1.0 - torque[j]) * tension[j] - phi[j]
+                    error[j] = error[j] + (1.0 - torque[j]) * tension[j] - (phi[j] + ahead * h[j] * v[j])
                 if zones:
                     for j in range(columns):
                         zone = dead_zone[k - skip, j]
@@ -228,8 +247,9 @@ def servo_loops(
                     v_ref = v_max[j] if v_ref > v_max[j] else v_ref  # not min, which could not be vectorised
                     v_ref = -v_max[j] if v_ref < -v_max[j] else v_ref
                     v_ref += kp[j] * torque[j] * tension[j]
-                    v[j] += (smooth[j] if goes_on else 0.0) * (v_ref - v[j])
-                    phi[j] += (h[j] if goes_on else 0.0) * v[j]
+                    before = v[j]
+                    v[j] += (smooth[j] if goes_on else 0.0) * (v_ref - before)
+                    phi[j] += (h[j] if goes_on else 0.0) * (v[j] + ahead * (before - v[j]))
         for j in range(columns):
             out[k - skip, j] = phi[j]
 

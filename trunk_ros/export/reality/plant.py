@@ -5,9 +5,10 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
+from trunk_ros.arm.arm import STEP
 from trunk_ros.arm_model import ArmModel
 from trunk_ros.compiled import Array, compiled
-from trunk_ros.effects.servo.loop import CLOSE, STEP
+from trunk_ros.effects.servo.loop import CLOSE
 from trunk_ros.errors import ModelError
 from trunk_ros.export.missing import missing
 from trunk_ros.export.reality.scene import Scene

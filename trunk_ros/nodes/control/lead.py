@@ -107,7 +107,7 @@ class Lead:
     def _after(self, servo: Array, setpoint: Array, dt: float) -> Array:
         """The ``servo``'s state ``dt`` s later."""
         after, held = servo.copy(), np.array([setpoint, setpoint])
-        servo_loop(held, np.array([0.0, dt]), *self._law, 1, after, np.empty((1, len(setpoint))))
+        servo_loop(held, np.array([0.0, dt]), *self._law, 0.0, 1, after, np.empty((1, len(setpoint))))
         return after
 
 

@@ -73,5 +73,5 @@ def _paths(stamp: Array, asked: Array, went: Array) -> Array:
     loop = gain[None], 1.0 / (4.0 * gain[None]), top[None], delay[None]  # critically damped
     none_of_it = none, none, none, none, none[0], none, np.zeros((3, 1, many))
     setpoint, state = np.repeat(asked[:, None], many, axis=1), fresh(np.full(many, went[0]))
-    servo_loop(setpoint, stamp, *loop, *none_of_it, 0, state, paths)
+    servo_loop(setpoint, stamp, *loop, *none_of_it, 0.0, 0, state, paths)
     return paths
