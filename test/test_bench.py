@@ -128,7 +128,7 @@ def test_policy_finds_constants_and_changes_one_of_them(tmp_path: Path) -> None:
     changes = [b for a, b in zip(old, new, strict=True) if a != b]
     assert changes == ["CHANCE = 0.005", "PART = 0.05"]
     works = (
-        "from trunk_ros.diagnosis.levels import PART; from trunk_ros.share import config_path;"
+        "from trunk_ros.levels import PART; from trunk_ros.share import config_path;"
         "config_path('trunk'); print(PART)"
     )
     said = subprocess.run(

@@ -35,7 +35,7 @@ MADE = {
 }
 """What commands and releases make."""
 ROOMS = {"trunk_ros", "test", "docs", "config", "launch", "tools", "requirements"} | {
-    room.name for room in (*DIAGNOSIS.iterdir(), *RECORDING.iterdir()) if room.is_dir()
+    room.name for room in (*DIAGNOSIS.iterdir(), *RECORDING.iterdir(), PACKAGE / "data") if room.is_dir()
 }
 OWN_ARM = (DOCS / "own-arm.md").read_text(encoding="utf-8")
 PHYSICS = (DOCS / "physics.md").read_text(encoding="utf-8")

@@ -13,9 +13,9 @@ from test.diagnosis.arms import diagnose, of_the_wires, on, recorded, reshaped
 from trunk_ros.arm import Arm
 from trunk_ros.commands.simulate import main
 from trunk_ros.compiled import Array
-from trunk_ros.diagnosis.data.align import servo_span, wire_span
-from trunk_ros.diagnosis.data.load_cells import cell_remarks
-from trunk_ros.diagnosis.data.torque import torque_remarks
+from trunk_ros.data.align import servo_span, wire_span
+from trunk_ros.data.load_cells import cell_remarks
+from trunk_ros.data.torque import torque_remarks
 from trunk_ros.effort import measured_load
 from trunk_ros.model import Model, load_model, save_model
 from trunk_ros.recording.read import read_recording

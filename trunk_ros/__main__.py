@@ -14,9 +14,9 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from trunk_ros import __version__
-from trunk_ros.commands.arguments import did_you_mean
 from trunk_ros.commands.completion import complete, quick_help
-from trunk_ros.commands.console import Level, ask_for
+from trunk_ros.console.arguments import did_you_mean
+from trunk_ros.console.console import Level, ask_for
 from trunk_ros.errors import TrunkError, fault_in, one_line
 from trunk_ros.nodes.stop import Stop
 

@@ -9,10 +9,10 @@ import numpy as np
 from trunk_ros.arm_model import ArmModel
 from trunk_ros.chain import Chain
 from trunk_ros.compiled import Array
-from trunk_ros.diagnosis.data.align import common_joints
-from trunk_ros.diagnosis.data.repeated_readings import new_motor_readings
-from trunk_ros.diagnosis.data.sensing import turns_counted_on
-from trunk_ros.diagnosis.data.sensor_faults import without_wild
+from trunk_ros.data.align import common_joints
+from trunk_ros.data.repeated_readings import new_motor_readings
+from trunk_ros.data.sensing import turns_counted_on
+from trunk_ros.data.sensor_faults import without_wild
 from trunk_ros.recording.recording import JointSeries, Recording
 from trunk_ros.recording.signal.encoder import between_counts, counts
 from trunk_ros.recording.signal.gaps import bridged, missing

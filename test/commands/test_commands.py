@@ -16,7 +16,7 @@ from test.diagnosis.arms import recorded, reshaped
 from trunk_ros.__main__ import COMMANDS, MEANT, main, without_a_package
 from trunk_ros.arm.files import urdf_text
 from trunk_ros.commands.completion import PARSERS, parser_of, whole_parser
-from trunk_ros.commands.progress import Progress
+from trunk_ros.console.progress import Progress
 from trunk_ros.errors import ArgumentError, ModelError, RecordingError
 from trunk_ros.recording.importing.mapping import load_mapping
 from trunk_ros.recording.namespace import choose

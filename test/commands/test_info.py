@@ -14,7 +14,7 @@ from test.diagnosis.test_tip_in_space import ARMS, seen
 from test.test_pages_run import an_old_bag
 from trunk_ros.__main__ import main
 from trunk_ros.commands.info import foreign, gathered, model_for
-from trunk_ros.diagnosis.data.quality import left_out
+from trunk_ros.data.quality import left_out
 from trunk_ros.model import load_model, save_model
 from trunk_ros.recording.importing.bag import read_bag
 from trunk_ros.recording.importing.csv import read_csv

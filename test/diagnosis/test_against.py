@@ -13,9 +13,9 @@ import pytest
 from test.diagnosis.arms import diagnose, setpoints_of
 from trunk_ros.chain import Chain
 from trunk_ros.diagnosis import Diagnosis
-from trunk_ros.diagnosis.against import with_room
-from trunk_ros.diagnosis.data.other_simulator import sides_told
 from trunk_ros.diagnosis.report.page import render
+from trunk_ros.diagnosis.simulators.against import with_room
+from trunk_ros.diagnosis.simulators.other_simulator import sides_told
 from trunk_ros.errors import RecordingError
 from trunk_ros.model import Model, load_model
 from trunk_ros.recording.recording import JointSeries, Recording

@@ -11,21 +11,21 @@ from scipy.interpolate import PchipInterpolator
 
 from test.diagnosis.arms import diagnose, on, recorded
 from trunk_ros.chain import Chain
-from trunk_ros.diagnosis.data import surroundings
-from trunk_ros.diagnosis.data.align import servo_span, wire_span
-from trunk_ros.diagnosis.data.counting import counting_told
-from trunk_ros.diagnosis.data.other_simulator import on_the_clock
-from trunk_ros.diagnosis.data.seen import at, joined, now_of
-from trunk_ros.diagnosis.data.sensor_faults import without_faults
-from trunk_ros.diagnosis.data.span import Span
+from trunk_ros.data import surroundings
+from trunk_ros.data.align import servo_span, wire_span
+from trunk_ros.data.counting import counting_told
+from trunk_ros.data.seen import at, joined, now_of
+from trunk_ros.data.sensor_faults import without_faults
+from trunk_ros.data.span import Span
 from trunk_ros.diagnosis.first_look import first_look
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
 from trunk_ros.diagnosis.prospects import prospects
-from trunk_ros.diagnosis.servo import ServoStage
-from trunk_ros.diagnosis.stage import Stage
+from trunk_ros.diagnosis.simulators.other_simulator import on_the_clock
+from trunk_ros.diagnosis.stages.servo import ServoStage
+from trunk_ros.diagnosis.stages.stage import Stage
+from trunk_ros.diagnosis.stages.wire import WireStage
 from trunk_ros.diagnosis.tip.data import tip_data
 from trunk_ros.diagnosis.tip.stage import ArmProblem
-from trunk_ros.diagnosis.wire import WireStage
 from trunk_ros.effects.wire.play import SharpPlay
 from trunk_ros.errors import RecordingError
 from trunk_ros.model import load_model

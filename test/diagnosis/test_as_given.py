@@ -11,7 +11,7 @@ import pytest
 
 from test.diagnosis.arms import TRUNK, of_the_wires, recorded
 from test.diagnosis.search.looks import context, knowing
-from trunk_ros.diagnosis.data.align import wire_span
+from trunk_ros.data.align import wire_span
 from trunk_ros.diagnosis.discrepancy.curves import curves_beside
 from trunk_ros.diagnosis.evidence.as_given import as_given
 from trunk_ros.diagnosis.evidence.evidence import banks_evidence
@@ -20,7 +20,7 @@ from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
 from trunk_ros.diagnosis.search.fit import Fit, costed
 from trunk_ros.diagnosis.search.greedy import begun
 from trunk_ros.diagnosis.search.moves.form import _starts
-from trunk_ros.diagnosis.wire import WireStage
+from trunk_ros.diagnosis.stages.wire import WireStage
 from trunk_ros.effects.curve import VALUES
 from trunk_ros.effects.moments import NOTHING
 

@@ -9,12 +9,12 @@ import pytest
 
 from test.diagnosis.arms import SHORT, diagnose
 from trunk_ros.compiled import Array
+from trunk_ros.data.align import wire_span
+from trunk_ros.data.noise import Noise
 from trunk_ros.diagnosis.context import Context
-from trunk_ros.diagnosis.data.align import wire_span
-from trunk_ros.diagnosis.data.noise import Noise
 from trunk_ros.diagnosis.evidence.at_rest import honest
 from trunk_ros.diagnosis.first_look import first_look
-from trunk_ros.diagnosis.wire import WireStage
+from trunk_ros.diagnosis.stages.wire import WireStage
 from trunk_ros.effects.wire.play import SharpPlay
 from trunk_ros.recording.recording import JointSeries, Recording
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from test.effects.example import arm_of
-from trunk_ros.diagnosis.data.motion_content import passes_again
+from trunk_ros.data.motion_content import passes_again
 from trunk_ros.diagnosis.discrepancy.bank_weights import CUTS, FOLDS, Cuts, Source, Sums, chosen_of
 from trunk_ros.diagnosis.discrepancy.banked import clearly
 from trunk_ros.effects.bank import Bank

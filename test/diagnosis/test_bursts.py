@@ -9,7 +9,7 @@ import pytest
 
 from test.diagnosis.arms import diagnose, recorded
 from trunk_ros.compiled import Array
-from trunk_ros.diagnosis.data.bursts import bursts
+from trunk_ros.data.bursts import bursts
 from trunk_ros.recording.recording import Recording
 
 STAMP = np.arange(6000) * 0.01

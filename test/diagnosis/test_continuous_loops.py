@@ -10,7 +10,7 @@ import pytest
 from test.diagnosis.arms import SHORT, diagnose, of_the_servos, setpoints_of
 from test.diagnosis.arms import recorded as recorded_arm
 from trunk_ros.chain import Chain
-from trunk_ros.diagnosis.data.sensing.thinned import thinned
+from trunk_ros.data.sensing.thinned import thinned
 from trunk_ros.diagnosis.evidence.as_given import _is_lag
 from trunk_ros.model import Model
 from trunk_ros.recording.recording import JointSeries, Recording

@@ -7,9 +7,9 @@ import sys
 import pytest
 
 from test.diagnosis.arms import on, recorded
-from trunk_ros.diagnosis.cores import each, on_cores
 from trunk_ros.diagnosis.diagnose import diagnose
-from trunk_ros.diagnosis.work import Work
+from trunk_ros.diagnosis.resources.cores import each, on_cores
+from trunk_ros.diagnosis.resources.work import Work
 
 
 def test_results_come_in_the_order_of_the_items_and_their_work_is_counted():

@@ -6,14 +6,14 @@ import numpy as np
 import pytest
 
 from test.diagnosis.arms import diagnose, on, recorded
-from trunk_ros.diagnosis.data.align import wire_span
+from trunk_ros.data.align import wire_span
 from trunk_ros.diagnosis.evidence.determined import AtBound, Determined, Place, correlation, determined
 from trunk_ros.diagnosis.evidence.evidence import UNNAMED
 from trunk_ros.diagnosis.first_look import first_look
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
 from trunk_ros.diagnosis.search.fit import refit
+from trunk_ros.diagnosis.stages.wire import WireStage
 from trunk_ros.diagnosis.verdict.findings import believable
-from trunk_ros.diagnosis.wire import WireStage
 from trunk_ros.effects import effect
 from trunk_ros.model import load_model
 

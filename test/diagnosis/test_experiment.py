@@ -19,9 +19,9 @@ from test.concealed.plant import run
 from test.concealed.sensing import PERIOD, Sensing, record
 from test.concealed.servo import compensated
 from test.diagnosis.arms import of_the_wires, recorded
+from trunk_ros.data.align import wire_span
 from trunk_ros.diagnosis import diagnose
 from trunk_ros.diagnosis.context import Context
-from trunk_ros.diagnosis.data.align import wire_span
 from trunk_ros.diagnosis.evidence.evidence import evidence
 from trunk_ros.diagnosis.experiment.design import Design, Experiment, experiment, proposals, statement
 from trunk_ros.diagnosis.experiment.discrimination import Difference, Other, span_of
@@ -29,11 +29,11 @@ from trunk_ros.diagnosis.experiment.motions import Stretch, _Path, limits_of, mo
 from trunk_ros.diagnosis.experiment.rival_forms import sides_of
 from trunk_ros.diagnosis.first_look import first_look
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
-from trunk_ros.diagnosis.levels import CLEARLY, TENFOLD
 from trunk_ros.diagnosis.search.descent import Desk
 from trunk_ros.diagnosis.search.greedy import search
+from trunk_ros.diagnosis.stages.wire import WireStage
 from trunk_ros.diagnosis.verdict.result import Diagnosis
-from trunk_ros.diagnosis.wire import WireStage
+from trunk_ros.levels import CLEARLY, TENFOLD
 from trunk_ros.model import load_model
 from trunk_ros.motion import named_trajectory
 from trunk_ros.nodes.run.plan import plan_of

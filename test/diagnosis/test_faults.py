@@ -8,8 +8,8 @@ import pytest
 from test.diagnosis.arms import NOISE, TRUNK, diagnose, on, recorded, reshaped
 from trunk_ros.chain import Chain
 from trunk_ros.compiled import Array
+from trunk_ros.data.sensor_faults import all_that_sticks, dead, sticks, strays, without_faults
 from trunk_ros.diagnosis import Diagnosis
-from trunk_ros.diagnosis.data.sensor_faults import all_that_sticks, dead, sticks, strays, without_faults
 
 
 def faulty(position: Array) -> Diagnosis:

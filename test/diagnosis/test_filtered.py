@@ -9,8 +9,8 @@ import pytest
 from scipy.signal import butter, lfilter, sosfilt, sosfiltfilt
 
 from test.diagnosis.arms import SHORT, diagnose, recorded, reshaped
-from trunk_ros.diagnosis.data.put_right import as_diagnosed, put_right
-from trunk_ros.diagnosis.data.sensing.filtered import Filtered, filtered
+from trunk_ros.data.put_right import as_diagnosed, put_right
+from trunk_ros.data.sensing.filtered import Filtered, filtered
 from trunk_ros.evaluate.score import score
 from trunk_ros.evaluate.source import of_model
 from trunk_ros.recording.recording import Recording

@@ -8,15 +8,15 @@ import numpy as np
 import pytest
 
 from test.diagnosis.arms import SHORT, diagnose, of_the_servos, recorded
+from trunk_ros.data.align import servo_span
 from trunk_ros.diagnosis.context import Context
-from trunk_ros.diagnosis.data.align import servo_span
 from trunk_ros.diagnosis.evidence import veto
 from trunk_ros.diagnosis.evidence.cross_validation import held_out
 from trunk_ros.diagnosis.first_look import first_look
 from trunk_ros.diagnosis.free_run import free_run
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
 from trunk_ros.diagnosis.search.fit import costed
-from trunk_ros.diagnosis.servo import ServoStage
+from trunk_ros.diagnosis.stages.servo import ServoStage
 from trunk_ros.effects.curve import HIGH, KNOTS, LOW, ON, VALUES
 from trunk_ros.model import Model
 from trunk_ros.recording.recording import Recording

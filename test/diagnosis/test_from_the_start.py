@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from test.diagnosis.arms import diagnose
-from trunk_ros.diagnosis.data.align import wire_span
-from trunk_ros.diagnosis.data.excerpt import taken
+from trunk_ros.data.align import wire_span
+from trunk_ros.data.excerpt import taken
 from trunk_ros.effects.wire.play import SharpPlay
 from trunk_ros.model import load_model
 from trunk_ros.recording.recording import JointSeries, Recording

@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 
 from test.diagnosis.arms import NOISE, SHORT, diagnose, of_the_wires, on, recorded, reshaped
-from trunk_ros.diagnosis.data.mix_ups import mix_ups
-from trunk_ros.diagnosis.data.put_right import put_right
+from trunk_ros.data.mix_ups import mix_ups
+from trunk_ros.data.put_right import put_right
 from trunk_ros.effects.wire.play import SharpPlay
 from trunk_ros.model import Model
 from trunk_ros.recording.recording import Recording

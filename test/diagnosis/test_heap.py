@@ -12,7 +12,7 @@ import pytest
 from test.diagnosis.arms import recorded
 from test.effects.example import motion, stamps
 from trunk_ros.arm.body import TOGETHER
-from trunk_ros.diagnosis.data.sensing.physics import beside_physics, motion_of
+from trunk_ros.data.sensing.physics import beside_physics, motion_of
 from trunk_ros.model import load_model
 
 ROOT = Path(__file__).parents[2]
@@ -27,7 +27,7 @@ def printed(code: str) -> list[float]:
     """What ``code`` prints in a process of its own: another heap has free places of its own, of any size."""
     names = (
         "import numpy as np; from test.diagnosis.test_heap import resident\n"
-        "from trunk_ros.diagnosis.heap import RETURNED, keep_what_is_freed\n"
+        "from trunk_ros.heap import RETURNED, keep_what_is_freed\n"
     )
     command = [sys.executable, "-c", names + code]
     done = subprocess.run(command, capture_output=True, text=True, check=True, cwd=ROOT)

@@ -12,11 +12,11 @@ from hypothesis import strategies as st
 from test.diagnosis.arms import NOISE, TRUNK, setpoints_of
 from trunk_ros.chain import Chain
 from trunk_ros.compiled import Array
-from trunk_ros.diagnosis.data.align import wire_span
+from trunk_ros.data.align import wire_span
+from trunk_ros.diagnosis.disturbances.stood import Read, _lies, _middle
 from trunk_ros.diagnosis.first_look import first_look
 from trunk_ros.diagnosis.hypothesis import hypothesis_of
-from trunk_ros.diagnosis.stood import Read, _lies, _middle
-from trunk_ros.diagnosis.wire import WireStage
+from trunk_ros.diagnosis.stages.wire import WireStage
 from trunk_ros.model import Model
 from trunk_ros.recording.recording import JointSeries, Recording
 

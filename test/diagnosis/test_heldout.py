@@ -9,14 +9,14 @@ import pytest
 
 from test.diagnosis.arms import recorded, reshaped
 from trunk_ros.compiled import Array
+from trunk_ros.data.align import wire_span
 from trunk_ros.diagnosis.context import Context
-from trunk_ros.diagnosis.data.align import wire_span
 from trunk_ros.diagnosis.discrepancy.curves import KNOTS, Place, redrawn, with_curve
 from trunk_ros.diagnosis.evidence.cross_validation import BLOCKS, held_out
 from trunk_ros.diagnosis.first_look import first_look
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
 from trunk_ros.diagnosis.search.fit import costed
-from trunk_ros.diagnosis.wire import WireStage
+from trunk_ros.diagnosis.stages.wire import WireStage
 from trunk_ros.effects.wire.unknown import Unknown
 from trunk_ros.model import load_model
 from trunk_ros.recording.recording import Recording

@@ -12,11 +12,11 @@ from test.concealed.bag import write_bag
 from test.concealed.seeds import drawn
 from test.real.features import play
 from trunk_ros.compiled import Array
-from trunk_ros.diagnosis.data.align import wire_span
-from trunk_ros.diagnosis.data.sensing import clocks_put_right
-from trunk_ros.diagnosis.data.sensing.band import Band
-from trunk_ros.diagnosis.data.sensing.hum import _beside, hums, tone
-from trunk_ros.diagnosis.data.sensing.physics import apart, beside_physics, motion_of
+from trunk_ros.data.align import wire_span
+from trunk_ros.data.sensing import clocks_put_right
+from trunk_ros.data.sensing.band import Band
+from trunk_ros.data.sensing.hum import _beside, hums, tone
+from trunk_ros.data.sensing.physics import apart, beside_physics, motion_of
 from trunk_ros.diagnosis.diagnoser import Diagnoser
 from trunk_ros.diagnosis.first_look import first_look
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
@@ -24,7 +24,7 @@ from trunk_ros.diagnosis.search.fit import refit
 from trunk_ros.diagnosis.search.greedy import begun
 from trunk_ros.diagnosis.search.hummed import _tone as _tone_of
 from trunk_ros.diagnosis.search.hummed import told_from_hum
-from trunk_ros.diagnosis.wire import WireStage
+from trunk_ros.diagnosis.stages.wire import WireStage
 from trunk_ros.model import Model, load_model
 from trunk_ros.recording.read import read_recording
 from trunk_ros.recording.recording import JointSeries, Recording

@@ -9,13 +9,13 @@ import pytest
 
 from trunk_ros.chain import Chain
 from trunk_ros.compiled import Array
-from trunk_ros.diagnosis.data.align import wire_span
+from trunk_ros.data.align import wire_span
 from trunk_ros.diagnosis.diagnose import diagnose
+from trunk_ros.diagnosis.disturbances.knocks import knocks_told
 from trunk_ros.diagnosis.first_look import first_look
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
-from trunk_ros.diagnosis.knocks import knocks_told
+from trunk_ros.diagnosis.stages.wire import WireStage
 from trunk_ros.diagnosis.verdict.result import Diagnosis
-from trunk_ros.diagnosis.wire import WireStage
 from trunk_ros.model import Model, load_model
 from trunk_ros.recording.recording import Recording
 

@@ -10,15 +10,15 @@ import pytest
 
 from test.diagnosis.arms import SHORT, recorded
 from test.diagnosis.search.looks import fitted
+from trunk_ros.data.align import servo_span
+from trunk_ros.data.motion_content import PLACES
 from trunk_ros.diagnosis import diagnose
-from trunk_ros.diagnosis.data.align import servo_span
-from trunk_ros.diagnosis.data.motion_content import PLACES
 from trunk_ros.diagnosis.evidence.residual_dependence import accounted, goes_on, rests
 from trunk_ros.diagnosis.first_look import first_look
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
-from trunk_ros.diagnosis.levels import SLIGHT
-from trunk_ros.diagnosis.servo import ServoStage
+from trunk_ros.diagnosis.stages.servo import ServoStage
 from trunk_ros.diagnosis.verdict.findings import _unexplained, left_over
+from trunk_ros.levels import SLIGHT
 from trunk_ros.model import load_model
 from trunk_ros.recording.recording import JointSeries, Recording
 from trunk_ros.servo_course import servo_course

@@ -10,17 +10,17 @@ import pytest
 
 from test.diagnosis.arms import diagnose, on, recorded
 from trunk_ros.compiled import Array
+from trunk_ros.data.align import wire_span
+from trunk_ros.data.excerpt import LENGTH, LONG, PARTS, WARM, excerpt
+from trunk_ros.data.seen import at
 from trunk_ros.diagnosis.context import Context
-from trunk_ros.diagnosis.data.align import wire_span
-from trunk_ros.diagnosis.data.excerpt import LENGTH, LONG, PARTS, WARM, excerpt
-from trunk_ros.diagnosis.data.seen import at
 from trunk_ros.diagnosis.discrepancy.bank_weights import AMPLE, Source, thinned
 from trunk_ros.diagnosis.discrepancy.memory import sources
 from trunk_ros.diagnosis.first_look import first_look
-from trunk_ros.diagnosis.machine import CELLS
-from trunk_ros.diagnosis.wire import WireStage
+from trunk_ros.diagnosis.stages.wire import WireStage
 from trunk_ros.effects.moments import Payload
 from trunk_ros.effects.wire.swinging_links import pushed
+from trunk_ros.machine import CELLS
 from trunk_ros.model import load_model
 from trunk_ros.recording.recording import Recording
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from trunk_ros.diagnosis.data.motion_content import comes_back, is_wide, repeats, speed_tells, turned
-from trunk_ros.diagnosis.data.repeated_readings import coarseness, new_readings
+from trunk_ros.data.motion_content import comes_back, is_wide, repeats, speed_tells, turned
+from trunk_ros.data.repeated_readings import coarseness, new_readings
 from trunk_ros.effects.wire.play import SharpPlay
 from trunk_ros.recording.recording import JointSeries
 

@@ -9,7 +9,7 @@ import pytest
 
 from test.diagnosis.arms import diagnose, recorded
 from trunk_ros.compiled import Array
-from trunk_ros.diagnosis.data.louder import IN_POWER, IN_SIZE, NONE, Growth, Louder, growth
+from trunk_ros.data.louder import IN_POWER, IN_SIZE, NONE, Growth, Louder, growth
 from trunk_ros.recording.recording import Recording
 
 RNG = np.random.default_rng(11)

@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 from test.diagnosis.arms import reshaped
+from trunk_ros.data.align import wire_span
+from trunk_ros.data.sensing import clocks_put_right
 from trunk_ros.diagnosis import diagnose
-from trunk_ros.diagnosis.data.align import wire_span
-from trunk_ros.diagnosis.data.sensing import clocks_put_right
 from trunk_ros.diagnosis.first_look import first_look
-from trunk_ros.diagnosis.wire import WireStage
+from trunk_ros.diagnosis.stages.wire import WireStage
 from trunk_ros.effects import effect
 from trunk_ros.effects.effect import Motion
 from trunk_ros.model import load_model

@@ -10,10 +10,10 @@ import pytest
 
 from test.diagnosis.arms import SHORT, diagnose, of_the_wires, on, recorded, reshaped
 from trunk_ros.commands.info import gathered
-from trunk_ros.diagnosis.data.mix_ups import doubtful, mix_ups, without_mix_ups
-from trunk_ros.diagnosis.data.mix_ups.clock import clock_offset
-from trunk_ros.diagnosis.data.names import _is_alike, refuse_misnamed
-from trunk_ros.diagnosis.data.quality import quality_of_recording
+from trunk_ros.data.mix_ups import doubtful, mix_ups, without_mix_ups
+from trunk_ros.data.mix_ups.clock import clock_offset
+from trunk_ros.data.names import _is_alike, refuse_misnamed
+from trunk_ros.data.quality import quality_of_recording
 from trunk_ros.diagnosis.report import write
 from trunk_ros.effects.wire.play import SharpPlay
 from trunk_ros.errors import RecordingError

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from test.diagnosis.arms import reshaped
-from trunk_ros.diagnosis.data.mix_ups import mix_ups, without_mix_ups
-from trunk_ros.diagnosis.data.mix_ups.pair import MixUp
-from trunk_ros.diagnosis.data.torque import torque_remarks
+from trunk_ros.data.mix_ups import mix_ups, without_mix_ups
+from trunk_ros.data.mix_ups.pair import MixUp
+from trunk_ros.data.torque import torque_remarks
 from trunk_ros.model import load_model
 from trunk_ros.recording.recording import JointSeries, Recording
 from trunk_ros.resistance import on_motors, resistance

@@ -6,7 +6,7 @@ from scipy.signal import lfilter
 
 from test.diagnosis.arms import diagnose
 from trunk_ros.chain import Chain
-from trunk_ros.diagnosis.data.noise import Noise, noise_of, off_by_chance, roughness_of
+from trunk_ros.data.noise import Noise, noise_of, off_by_chance, roughness_of
 from trunk_ros.evaluate.score import score
 from trunk_ros.evaluate.signals import Signal
 from trunk_ros.evaluate.source import Prediction

@@ -10,12 +10,12 @@ import pytest
 from test.diagnosis.arms import diagnose
 from test.test_servo import STEP, reference
 from trunk_ros.compiled import Array
+from trunk_ros.data.align import servo_span
 from trunk_ros.diagnosis import Diagnosis
-from trunk_ros.diagnosis.data.align import servo_span
 from trunk_ros.diagnosis.first_look import first_look
-from trunk_ros.diagnosis.nominal_servo import _like_others, with_its_servo
-from trunk_ros.diagnosis.servo import ServoStage
-from trunk_ros.diagnosis.servo_loop import Loop
+from trunk_ros.diagnosis.servos.nominal_servo import _like_others, with_its_servo
+from trunk_ros.diagnosis.servos.servo_loop import Loop
+from trunk_ros.diagnosis.stages.servo import ServoStage
 from trunk_ros.model import Model, load_model, save_model
 from trunk_ros.recording.recording import JointSeries, Recording
 from trunk_ros.simulate import simulate

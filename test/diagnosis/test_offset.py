@@ -12,8 +12,8 @@ import numpy as np
 import pytest
 
 from test.diagnosis.arms import diagnose, on, recorded, reshaped
-from trunk_ros.diagnosis.data.sensing import clocks_put_right
-from trunk_ros.diagnosis.data.sensing.offset import Offset
+from trunk_ros.data.sensing import clocks_put_right
+from trunk_ros.data.sensing.offset import Offset
 from trunk_ros.model import Model, load_model
 from trunk_ros.recording.recording import JointSeries, Recording
 

@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 
 from test.diagnosis.arms import diagnose, on, recorded, reshaped
+from trunk_ros.data.align import wire_span
 from trunk_ros.diagnosis.context import Context
-from trunk_ros.diagnosis.data.align import wire_span
 from trunk_ros.diagnosis.evidence.one_arm import _agree, _lasting, contradiction
 from trunk_ros.diagnosis.first_look import first_look
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
 from trunk_ros.diagnosis.search.fit import refit
-from trunk_ros.diagnosis.wire import WireStage
+from trunk_ros.diagnosis.stages.wire import WireStage
 from trunk_ros.errors import RecordingError
 from trunk_ros.model import load_model
 from trunk_ros.recording.recording import Recording

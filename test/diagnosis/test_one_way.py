@@ -7,15 +7,15 @@ from functools import cache
 import numpy as np
 
 from test.diagnosis.arms import diagnose
+from trunk_ros.data.align import wire_span
 from trunk_ros.diagnosis import Diagnosis
-from trunk_ros.diagnosis.data.align import wire_span
 from trunk_ros.diagnosis.discrepancy.banked import with_banks
 from trunk_ros.diagnosis.first_look import first_look
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
 from trunk_ros.diagnosis.prospects import HIDDEN, ONE_WAY, prospects
 from trunk_ros.diagnosis.search.fit import refit
 from trunk_ros.diagnosis.search.greedy import begun
-from trunk_ros.diagnosis.wire import WireStage
+from trunk_ros.diagnosis.stages.wire import WireStage
 from trunk_ros.model import load_model
 from trunk_ros.recording.recording import JointSeries, Recording
 from trunk_ros.simulate import simulate

@@ -8,12 +8,12 @@ import pytest
 from test.diagnosis.arms import on, recorded
 from test.effects.example import arm_of
 from trunk_ros.chain import Chain
-from trunk_ros.diagnosis.data.align import wire_span
+from trunk_ros.data.align import wire_span
 from trunk_ros.diagnosis.discrepancy.memory import drawn, redrawn_banks, sources
 from trunk_ros.diagnosis.first_look import first_look
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
 from trunk_ros.diagnosis.search.greedy import begun
-from trunk_ros.diagnosis.wire import WireStage
+from trunk_ros.diagnosis.stages.wire import WireStage
 from trunk_ros.effects.bank import PATH_OF
 from trunk_ros.effects.wire.unknown_loops import UnknownLoops
 from trunk_ros.model import Model, load_model

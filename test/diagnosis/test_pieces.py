@@ -6,12 +6,11 @@ import numpy as np
 import pytest
 
 from test.diagnosis.arms import TRUNK, recorded
-from trunk_ros import servo_course
+from trunk_ros import machine, servo_course
 from trunk_ros.compiled import Array
-from trunk_ros.diagnosis import machine
-from trunk_ros.diagnosis.data.align import wire_span
-from trunk_ros.diagnosis.data.sensing.hum import hums
-from trunk_ros.diagnosis.data.sensing.physics import along
+from trunk_ros.data.align import wire_span
+from trunk_ros.data.sensing.hum import hums
+from trunk_ros.data.sensing.physics import along
 from trunk_ros.recording.recording import JointSeries, Recording
 from trunk_ros.recording.signal.resample import resample
 

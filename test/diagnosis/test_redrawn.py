@@ -8,12 +8,12 @@ from dataclasses import replace
 
 import numpy as np
 
-from trunk_ros.diagnosis.data.align import servo_span
+from trunk_ros.data.align import servo_span
 from trunk_ros.diagnosis.discrepancy.curves import Place, ends, redrawn, with_curve
 from trunk_ros.diagnosis.first_look import first_look
 from trunk_ros.diagnosis.hypothesis import Hypothesis
-from trunk_ros.diagnosis.nominal_servo import with_its_servo
-from trunk_ros.diagnosis.servo import ServoStage
+from trunk_ros.diagnosis.servos.nominal_servo import with_its_servo
+from trunk_ros.diagnosis.stages.servo import ServoStage
 from trunk_ros.effects.curve import KNOTS, VALUES
 from trunk_ros.model import load_model
 from trunk_ros.recording.recording import JointSeries, Recording

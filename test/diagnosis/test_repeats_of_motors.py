@@ -12,10 +12,10 @@ from scipy.interpolate import CubicSpline
 
 from test.diagnosis.arms import NOISE, RATE, SHORT, diagnose, recorded
 from trunk_ros.compiled import Array
-from trunk_ros.diagnosis.data.align import servo_span, wire_span
-from trunk_ros.diagnosis.data.put_right import as_diagnosed
-from trunk_ros.diagnosis.data.repeated_readings import new_motor_readings
-from trunk_ros.diagnosis.data.sensing import clocks_put_right
+from trunk_ros.data.align import servo_span, wire_span
+from trunk_ros.data.put_right import as_diagnosed
+from trunk_ros.data.repeated_readings import new_motor_readings
+from trunk_ros.data.sensing import clocks_put_right
 from trunk_ros.recording.recording import Recording
 from trunk_ros.simulate import simulate
 

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from trunk_ros.compiled import Array
+from trunk_ros.data.noise import noise_of
+from trunk_ros.data.revisited import between_visits, neighbours
 from trunk_ros.diagnosis import diagnose
-from trunk_ros.diagnosis.data.noise import noise_of
-from trunk_ros.diagnosis.data.revisited import between_visits, neighbours
 from trunk_ros.recording.recording import Recording
 
 NOISE = 5e-4  # rad

@@ -10,14 +10,14 @@ import pytest
 
 from test.diagnosis.arms import NOISE, diagnose, on, recorded
 from trunk_ros.chain import Chain
-from trunk_ros.diagnosis.data.align import wire_span
+from trunk_ros.data.align import wire_span
 from trunk_ros.diagnosis.evidence.evidence import TIED, Evidence, likely, one_evidence
 from trunk_ros.diagnosis.first_look import first_look
 from trunk_ros.diagnosis.hypothesis import hypothesis_of
 from trunk_ros.diagnosis.search.fit import refit
 from trunk_ros.diagnosis.search.greedy import begun
+from trunk_ros.diagnosis.stages.wire import WireStage
 from trunk_ros.diagnosis.tip.findings import EITHER
-from trunk_ros.diagnosis.wire import WireStage
 from trunk_ros.effects import confused, registry
 from trunk_ros.model import load_model
 from trunk_ros.recording.recording import JointSeries, Recording

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from test.diagnosis.arms import on, recorded, reshaped
+from trunk_ros.data.mix_ups.pair import Kind
 from trunk_ros.diagnosis import diagnose
-from trunk_ros.diagnosis.data.mix_ups.pair import Kind
 from trunk_ros.diagnosis.verdict.answer import SCHEMA
 from trunk_ros.diagnosis.verdict.schema import diagnosis_schema
 

@@ -17,16 +17,16 @@ from test.concealed.masses_arm import Arm, having, soft
 from test.concealed.nominal import COMPLIANCE, JOINTS, RATIO
 from test.concealed.sensing import Run, Sensing, record
 from trunk_ros.compiled import Array
+from trunk_ros.data.align import wire_span
+from trunk_ros.data.repeated_readings import asked, holding, new_readings
+from trunk_ros.data.sensing import clocks_put_right, readings_put_right
+from trunk_ros.data.sensing.physics import Motion, beside_physics, fitted
+from trunk_ros.data.sensing.skew import Skew, one_clock, skew, without_skew
+from trunk_ros.data.sensing.sliding import Sliding, sliding, waited
+from trunk_ros.data.sensing.steps import coarse_steps
+from trunk_ros.data.sensing.thinned import _filled, how_far_off, thinned
+from trunk_ros.data.sensing.wraps import TURN, unwrapped, whole_turns
 from trunk_ros.diagnosis.context import Context
-from trunk_ros.diagnosis.data.align import wire_span
-from trunk_ros.diagnosis.data.repeated_readings import asked, holding, new_readings
-from trunk_ros.diagnosis.data.sensing import clocks_put_right, readings_put_right
-from trunk_ros.diagnosis.data.sensing.physics import Motion, beside_physics, fitted
-from trunk_ros.diagnosis.data.sensing.skew import Skew, one_clock, skew, without_skew
-from trunk_ros.diagnosis.data.sensing.sliding import Sliding, sliding, waited
-from trunk_ros.diagnosis.data.sensing.steps import coarse_steps
-from trunk_ros.diagnosis.data.sensing.thinned import _filled, how_far_off, thinned
-from trunk_ros.diagnosis.data.sensing.wraps import TURN, unwrapped, whole_turns
 from trunk_ros.diagnosis.diagnoser import Diagnoser
 from trunk_ros.diagnosis.first_look import first_look
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
@@ -34,7 +34,7 @@ from trunk_ros.diagnosis.pace import paced, with_its_clocks
 from trunk_ros.diagnosis.search.fit import refit
 from trunk_ros.diagnosis.search.greedy import begun
 from trunk_ros.diagnosis.search.looked_again import told_from_clocks
-from trunk_ros.diagnosis.wire import WireStage
+from trunk_ros.diagnosis.stages.wire import WireStage
 from trunk_ros.effects.wire.play import SharpPlay
 from trunk_ros.model import Model, load_model
 from trunk_ros.recording.observed import Observed

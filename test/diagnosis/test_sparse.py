@@ -9,15 +9,15 @@ import numpy as np
 import pytest
 
 from test.diagnosis.arms import recorded
+from trunk_ros.data.align import wire_span
+from trunk_ros.data.excerpt import LONG, PARTS, sparser
+from trunk_ros.data.noise import WHITE
 from trunk_ros.diagnosis.context import Context
-from trunk_ros.diagnosis.data.align import wire_span
-from trunk_ros.diagnosis.data.excerpt import LONG, PARTS, sparser
-from trunk_ros.diagnosis.data.noise import WHITE
 from trunk_ros.diagnosis.first_look import first_look
 from trunk_ros.diagnosis.hypothesis import Hypothesis
-from trunk_ros.diagnosis.levels import ROWS
 from trunk_ros.diagnosis.sparse import Sparse, apart, sparse
-from trunk_ros.diagnosis.wire import WireStage
+from trunk_ros.diagnosis.stages.wire import WireStage
+from trunk_ros.levels import ROWS
 from trunk_ros.model import load_model
 from trunk_ros.recording.signal.resample import FINE
 

@@ -9,12 +9,12 @@ from typing import Any, cast
 import numpy as np
 
 from test.diagnosis.arms import on, recorded
-from trunk_ros.diagnosis.data.align import wire_span
+from trunk_ros.data.align import wire_span
 from trunk_ros.diagnosis.evidence.spreads import _pulled, _Seen, _still_to_go, spreads
 from trunk_ros.diagnosis.first_look import first_look
 from trunk_ros.diagnosis.hypothesis import Free, Hypothesis, Term
 from trunk_ros.diagnosis.search.fit import Fit, refit
-from trunk_ros.diagnosis.wire import WireStage
+from trunk_ros.diagnosis.stages.wire import WireStage
 from trunk_ros.effects import effect
 from trunk_ros.model import load_model
 from trunk_ros.recording.recording import Recording

@@ -14,9 +14,9 @@ from test.diagnosis import arms
 from test.diagnosis.arms import NOISE, RATE, SHORT, of_the_wires
 from trunk_ros.chain import Chain
 from trunk_ros.compiled import Array
-from trunk_ros.diagnosis.data.align import wire_span
-from trunk_ros.diagnosis.data.excerpt import excerpt
-from trunk_ros.diagnosis.data.rests import one_of_each_rest
+from trunk_ros.data.align import wire_span
+from trunk_ros.data.excerpt import excerpt
+from trunk_ros.data.rests import one_of_each_rest
 from trunk_ros.errors import RecordingError
 from trunk_ros.model import Model, load_model
 from trunk_ros.recording.recording import JointSeries, Recording

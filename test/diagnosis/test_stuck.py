@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from test.diagnosis.arms import SHORT, diagnose, on, recorded, reshaped
-from trunk_ros.diagnosis.data.mix_ups import mix_ups, without_mix_ups
+from trunk_ros.data.mix_ups import mix_ups, without_mix_ups
 from trunk_ros.model import Model, load_model
 from trunk_ros.recording.recording import Recording
 

@@ -9,13 +9,13 @@ import pytest
 
 from test.diagnosis.arms import TRUNK, diagnose, recorded
 from test.diagnosis.test_align import kept
+from trunk_ros.data.align import wire_span
 from trunk_ros.diagnosis.context import Context
-from trunk_ros.diagnosis.data.align import wire_span
 from trunk_ros.diagnosis.first_look import first_look
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
 from trunk_ros.diagnosis.search.fit import costed
 from trunk_ros.diagnosis.search.score import FURTHER, chance, priced
-from trunk_ros.diagnosis.wire import WireStage
+from trunk_ros.diagnosis.stages.wire import WireStage
 from trunk_ros.recording.recording import Recording
 from trunk_ros.recording.signal.gaps import unseen
 

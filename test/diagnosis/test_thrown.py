@@ -13,14 +13,14 @@ from test.concealed.masses_arm import Arm, having
 from test.concealed.nominal import JOINTS, RATIO
 from test.concealed.sensing import Sensing, record
 from trunk_ros.compiled import Array
-from trunk_ros.diagnosis.data.align import wire_span
-from trunk_ros.diagnosis.data.surroundings import View
+from trunk_ros.data.align import wire_span
+from trunk_ros.data.surroundings import View
 from trunk_ros.diagnosis.diagnoser import Diagnoser
+from trunk_ros.diagnosis.disturbances.thrown import rests, thrown
 from trunk_ros.diagnosis.first_look import first_look
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
-from trunk_ros.diagnosis.levels import PART
-from trunk_ros.diagnosis.thrown import rests, thrown
-from trunk_ros.diagnosis.wire import WireStage
+from trunk_ros.diagnosis.stages.wire import WireStage
+from trunk_ros.levels import PART
 from trunk_ros.model import Model, load_model
 from trunk_ros.recording.recording import JointSeries, Recording
 

@@ -12,7 +12,7 @@ import pytest
 from test.diagnosis.arms import diagnose, reshaped
 from test.diagnosis.test_nominal_servo import JOINTS, NOISE, PLAIN, _asked, recorded_servos
 from trunk_ros.compiled import Array
-from trunk_ros.diagnosis.data.mix_ups import mix_ups
+from trunk_ros.data.mix_ups import mix_ups
 from trunk_ros.model import load_model
 from trunk_ros.recording.recording import Recording
 

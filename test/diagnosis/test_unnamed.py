@@ -10,11 +10,11 @@ import pytest
 
 from test.diagnosis.arms import SHORT, TRUNK, diagnose, of_the_servos, of_the_wires, recorded, reshaped
 from trunk_ros.compiled import Array
+from trunk_ros.data.spectrum import spectrum
 from trunk_ros.diagnosis import Diagnosis
 from trunk_ros.diagnosis.discrepancy.curves import Place, with_curve
 from trunk_ros.diagnosis.discrepancy.jumps import jumps, moved_by, turns_of
 from trunk_ros.diagnosis.discrepancy.smooth import smoothed
-from trunk_ros.diagnosis.discrepancy.spectrum import spectrum
 from trunk_ros.diagnosis.hypothesis import Hypothesis
 from trunk_ros.diagnosis.report import render
 from trunk_ros.effects.curve import KNOTS, VALUES

@@ -9,17 +9,17 @@ import pytest
 
 from test.diagnosis.arms import recorded
 from test.diagnosis.search.looks import ARMS, context, drawn_beside_a_ratio, fitted
+from trunk_ros.data.align import wire_span
 from trunk_ros.diagnosis.context import Context
-from trunk_ros.diagnosis.data.align import wire_span
 from trunk_ros.diagnosis.discrepancy.curves import followed
 from trunk_ros.diagnosis.evidence import rivals, veto
 from trunk_ros.diagnosis.evidence.evidence import Evidence, evidence, one_evidence
 from trunk_ros.diagnosis.evidence.unseen import unrepeated, unseen
 from trunk_ros.diagnosis.evidence.veto import believed, harmless
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
+from trunk_ros.diagnosis.resources.work import Work
 from trunk_ros.diagnosis.search.fit import Fit, costed, refit
 from trunk_ros.diagnosis.search.score import beats
-from trunk_ros.diagnosis.work import Work
 from trunk_ros.effects import effect
 from trunk_ros.model import load_model
 

@@ -11,16 +11,16 @@ from scipy.signal import lfilter
 
 from test.diagnosis.arms import NOISE, TRUNK, diagnose, on, recorded
 from test.diagnosis.search.looks import fitted
-from trunk_ros.diagnosis.data.align import wire_span
-from trunk_ros.diagnosis.data.noise import Noise
+from trunk_ros.data.align import wire_span
+from trunk_ros.data.noise import Noise
 from trunk_ros.diagnosis.evidence import wandering as steadying
 from trunk_ros.diagnosis.first_look import first_look
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
 from trunk_ros.diagnosis.search.fit import Fit, costed
 from trunk_ros.diagnosis.search.of_the_arm import of_the_arm
 from trunk_ros.diagnosis.search.slow_noise import is_plain, likeliest_noise, wandering_in
+from trunk_ros.diagnosis.stages.wire import WireStage
 from trunk_ros.diagnosis.verdict.result import Diagnosis
-from trunk_ros.diagnosis.wire import WireStage
 from trunk_ros.recording.recording import Recording
 
 WANDERS, FORGETS = 2.0 * NOISE, 0.97  # rad, from sample to sample

@@ -175,8 +175,8 @@ def test_an_error_in_it_is_said_in_one_line_with_its_place(folder: Path) -> None
     where = f"{file}:{head.count(chr(10)) + 2}: NameError: name 'missing' is not defined"
     code = (
         "from trunk_ros import __main__ as command\n"
-        "from trunk_ros.diagnosis.cores import _outcome\n"
-        "from trunk_ros.diagnosis.work import Work\n"
+        "from trunk_ros.diagnosis.resources.cores import _outcome\n"
+        "from trunk_ros.diagnosis.resources.work import Work\n"
         "def fails(arguments): chain.run(wanted, stamp)\n"
         "command.importlib.import_module = lambda name: type('Module', (), {'main': staticmethod(fails)})\n"
         "assert isinstance(_outcome(0, Work(1.0), fails, [])[1], command.TrunkError)\n"

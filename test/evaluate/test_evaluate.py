@@ -13,7 +13,7 @@ import pytest
 from test.diagnosis.arms import NOISE, on, recorded, reshaped
 from trunk_ros.__main__ import main
 from trunk_ros.compiled import Array
-from trunk_ros.diagnosis.data.put_right import as_diagnosed
+from trunk_ros.data.put_right import as_diagnosed
 from trunk_ros.evaluate import of_model, of_simulator, score
 from trunk_ros.model import Model, load_model, save_model
 from trunk_ros.recording.recording import Recording

@@ -5,7 +5,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from trunk_ros.commands import console
+from trunk_ros.console import console
 from trunk_ros.nodes import bringup
 from trunk_ros.nodes.graph.losses import Tally, in_words
 

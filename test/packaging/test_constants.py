@@ -23,7 +23,8 @@ def rooms() -> dict[tuple[str, ...], int]:
 
 def room_of(constant: Constant) -> tuple[str, ...]:
     """The row that a constant belongs to: that of its file, else of its folder, else of the rest."""
-    place = Path(constant.path).relative_to("trunk_ros/diagnosis")
+    place = Path(constant.path).relative_to("trunk_ros")
+    place = place.relative_to("diagnosis") if place.parts[0] == "diagnosis" else place
     for name in (place.as_posix(), f"{place.parts[0]}/"):
         for room in rooms():
             if name in room:

@@ -9,7 +9,7 @@ import pytest
 
 from test.recording.bags import motion, write_bag
 from test.recording.bombs import BOMBS, INDEX_BOMBS, cost_of, yaml_bombs
-from trunk_ros.commands.arguments import Parser
+from trunk_ros.console.arguments import Parser
 from trunk_ros.errors import RecordingError, TrunkError
 from trunk_ros.nodes.bags.source import BagSource
 from trunk_ros.recording import allowance, plain_yaml

@@ -9,7 +9,7 @@ from trunk_ros.bodies.fit import fitted
 from trunk_ros.bodies.found import UNITS, Bodies
 from trunk_ros.bodies.rows import rows_of
 from trunk_ros.bodies.signals import motion_of, usual_cutoff
-from trunk_ros.diagnosis.data.sensor_faults import without_wild
+from trunk_ros.data.sensor_faults import without_wild
 from trunk_ros.errors import ModelError
 from trunk_ros.model import Model
 from trunk_ros.recording.recording import Recording

@@ -6,8 +6,8 @@ import argparse
 import json
 import sys
 
-from trunk_ros.commands.arguments import Parser, add_namespace
-from trunk_ros.commands.console import say
+from trunk_ros.console.arguments import Parser, add_namespace
+from trunk_ros.console.console import say
 
 WIDE = 160  # columns of a table that goes into a file
 

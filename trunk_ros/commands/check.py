@@ -5,8 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from trunk_ros.commands.arguments import Parser
-from trunk_ros.commands.console import columns, say
+from trunk_ros.console.arguments import Parser
+from trunk_ros.console.console import columns, say
 
 if TYPE_CHECKING:
     from trunk_ros.arm import Arm

@@ -10,9 +10,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from trunk_ros import __version__
-from trunk_ros.commands.arguments import SETTLE, Parser, add_namespace, add_settle, count
-from trunk_ros.commands.console import say
-from trunk_ros.commands.progress import progress
+from trunk_ros.console.arguments import SETTLE, Parser, add_namespace, add_settle, count
+from trunk_ros.console.console import say
+from trunk_ros.console.progress import progress
 from trunk_ros.errors import ArgumentError
 
 if TYPE_CHECKING:
@@ -68,8 +68,8 @@ def main(argv: list[str]) -> int:
         raise
     refuse_tables([*asked.bag, *([asked.against] if asked.against else [])])
     from trunk_ros.arm.files import urdf_text
-    from trunk_ros.diagnosis.cores import on_cores
     from trunk_ros.diagnosis.diagnose import diagnose
+    from trunk_ros.diagnosis.resources.cores import on_cores
     from trunk_ros.model import load_model
     from trunk_ros.recording.output import new_folder, prepare_output
 
@@ -116,7 +116,7 @@ def given(asked: Namespace) -> dict[str, Any]:
 
 def _default(result: Diagnosis) -> str:
     """What stood for a model that was not given."""
-    from trunk_ros.diagnosis.against import nominal_for
+    from trunk_ros.diagnosis.simulators.against import nominal_for
 
     if result.model.arm.description is not None:
         return "robot_description"
@@ -136,8 +136,8 @@ def refuse_tables(paths: Sequence[str]) -> None:
 
 def write_report(result: Diagnosis, folder: Path) -> None:
     """The page."""
-    from trunk_ros.diagnosis.heap import give_back
     from trunk_ros.diagnosis.report import write
+    from trunk_ros.heap import give_back
 
     give_back()
     write(result, folder / "report.html")

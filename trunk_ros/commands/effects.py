@@ -7,8 +7,8 @@ import json
 import textwrap
 from typing import TYPE_CHECKING, Any
 
-from trunk_ros.commands.arguments import Parser, did_you_mean
-from trunk_ros.commands.console import columns, say
+from trunk_ros.console.arguments import Parser, did_you_mean
+from trunk_ros.console.console import columns, say
 
 if TYPE_CHECKING:
     from trunk_ros.effects import Effect

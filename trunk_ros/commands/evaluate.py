@@ -6,7 +6,7 @@ import argparse
 import json
 import sys
 
-from trunk_ros.commands.arguments import Parser, add_namespace
+from trunk_ros.console.arguments import Parser, add_namespace
 from trunk_ros.errors import ArgumentError
 
 STAGES = ("servo", "wire", "arm")

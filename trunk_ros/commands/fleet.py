@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-from trunk_ros.commands.arguments import Parser, count
+from trunk_ros.console.arguments import Parser, count
 from trunk_ros.errors import ArgumentError, RecordingError
 
 OURS = ("fleet.json", "fleet.html", "*.parquet", "parts", "arms", ".*")

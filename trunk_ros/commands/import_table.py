@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from trunk_ros.commands.arguments import Parser
-from trunk_ros.commands.console import say
+from trunk_ros.console.arguments import Parser
+from trunk_ros.console.console import say
 from trunk_ros.share import config_names
 
 

@@ -6,8 +6,8 @@ import json
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from trunk_ros.commands.arguments import Parser, add_namespace
-from trunk_ros.commands.console import columns, say
+from trunk_ros.console.arguments import Parser, add_namespace
+from trunk_ros.console.console import columns, say
 
 if TYPE_CHECKING:
     from trunk_ros.diagnosis.prospects import Prospect
@@ -110,7 +110,7 @@ def model_for(recording: Recording, name: str | None) -> tuple[Recording, Model]
     """The model asked for; else the nominal arm where the joints are its, or ``direct``, with the links of a
     recorded URDF as ``diagnose`` takes them, and the recording with its units.
     """
-    from trunk_ros.diagnosis.data.described import described
+    from trunk_ros.diagnosis.described import described
     from trunk_ros.model import load_model
     from trunk_ros.transmission import by_joint
 
@@ -124,9 +124,9 @@ def gathered(recording: Recording, model: Model) -> dict[str, Any]:
     """All that is said, as JSON has it."""
     from dataclasses import asdict
 
-    from trunk_ros.diagnosis.data.mix_ups import doubtful, mix_ups
-    from trunk_ros.diagnosis.data.names import misnamed
-    from trunk_ros.diagnosis.data.quality import left_out
+    from trunk_ros.data.mix_ups import doubtful, mix_ups
+    from trunk_ros.data.names import misnamed
+    from trunk_ros.data.quality import left_out
     from trunk_ros.diagnosis.prospects import motion_of, prospects
     from trunk_ros.recording.quality import quality
     from trunk_ros.recording.topics import TOPICS

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from trunk_ros.commands.arguments import Parser
+from trunk_ros.console.arguments import Parser
 
 
 def parser() -> Parser:

@@ -7,8 +7,8 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from trunk_ros.commands.arguments import Parser, add_namespace
-from trunk_ros.commands.console import say
+from trunk_ros.console.arguments import Parser, add_namespace
+from trunk_ros.console.console import say
 from trunk_ros.errors import ArgumentError
 
 
@@ -46,7 +46,7 @@ def main(argv: list[str]) -> int:
     """The command."""
     asked = parser().parse_args(argv)
     from trunk_ros.arm.urdf import urdf
-    from trunk_ros.diagnosis.data.sensor_faults import without_wild
+    from trunk_ros.data.sensor_faults import without_wild
     from trunk_ros.model import load_model
     from trunk_ros.recording.read import read_recording
     from trunk_ros.show.scene import diagnosis_beside, scene

@@ -5,8 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 
 from trunk_ros import __version__
-from trunk_ros.commands.arguments import Parser, add_namespace, add_settle
-from trunk_ros.commands.console import say
+from trunk_ros.console.arguments import Parser, add_namespace, add_settle
+from trunk_ros.console.console import say
 from trunk_ros.recording.topics import SOURCES
 
 
@@ -33,10 +33,10 @@ def parser() -> Parser:
 def main(argv: list[str]) -> int:
     """The command."""
     asked = parser().parse_args(argv)
-    from trunk_ros.diagnosis.data.put_right import said_of
-    from trunk_ros.diagnosis.data.quality import strangers
-    from trunk_ros.diagnosis.data.sensing import turns_counted_on
-    from trunk_ros.diagnosis.data.sensor_faults import without_wild
+    from trunk_ros.data.put_right import said_of
+    from trunk_ros.data.quality import strangers
+    from trunk_ros.data.sensing import turns_counted_on
+    from trunk_ros.data.sensor_faults import without_wild
     from trunk_ros.evaluate.speeds import too_slow
     from trunk_ros.model import load_model
     from trunk_ros.own_time import doubtful_curves

@@ -7,15 +7,15 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
+from trunk_ros.data.sensing.hum import Hum
+from trunk_ros.data.sensing.pairs import told
+from trunk_ros.data.sensing.readings import taken_out
 from trunk_ros.diagnosis.context import Context
-from trunk_ros.diagnosis.data.sensing.hum import Hum
-from trunk_ros.diagnosis.data.sensing.pairs import told
-from trunk_ros.diagnosis.data.sensing.readings import taken_out
-from trunk_ros.diagnosis.knocks import knocks_told
-from trunk_ros.diagnosis.levels import CLEARLY
+from trunk_ros.diagnosis.disturbances.knocks import knocks_told
 from trunk_ros.diagnosis.pace import skew_told
 from trunk_ros.diagnosis.search.fit import Fit
 from trunk_ros.diagnosis.verdict.units import sized
+from trunk_ros.levels import CLEARLY
 from trunk_ros.recording.observed import Observed
 from trunk_ros.recording.recording import Recording
 from trunk_ros.recording.topics import TOPICS

@@ -11,21 +11,21 @@ import numpy as np
 
 from trunk_ros.arm import Arm
 from trunk_ros.compiled import Array
-from trunk_ros.diagnosis.data.louder import CONSTANT, Louder
-from trunk_ros.diagnosis.data.noise import Noise, known_to, strides_within
-from trunk_ros.diagnosis.data.noises import Rest, noises
-from trunk_ros.diagnosis.data.seen import at, now_of
-from trunk_ros.diagnosis.data.span import Span
-from trunk_ros.diagnosis.data.surroundings import View
+from trunk_ros.data.louder import CONSTANT, Louder
+from trunk_ros.data.noise import Noise, known_to, strides_within
+from trunk_ros.data.noises import Rest, noises
+from trunk_ros.data.seen import at, now_of
+from trunk_ros.data.span import Span
+from trunk_ros.data.surroundings import View
+from trunk_ros.diagnosis.disturbances.thrown import rests, thrown
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
-from trunk_ros.diagnosis.levels import HARDLY
-from trunk_ros.diagnosis.machine import CELLS, make_room
-from trunk_ros.diagnosis.side_by_side import Seen
-from trunk_ros.diagnosis.stage import Stage
-from trunk_ros.diagnosis.thrown import rests, thrown
-from trunk_ros.diagnosis.work import Work, steps_of
+from trunk_ros.diagnosis.resources.work import Work, steps_of
+from trunk_ros.diagnosis.stages.side_by_side import Seen
+from trunk_ros.diagnosis.stages.stage import Stage
 from trunk_ros.effects.effect import Motion, Now
 from trunk_ros.effects.moments import NOTHING, Payload
+from trunk_ros.levels import HARDLY
+from trunk_ros.machine import CELLS, make_room
 from trunk_ros.recording.signal.resample import SLOW
 
 Key = tuple[int, int, Payload, tuple[int, ...] | None]

@@ -6,18 +6,18 @@ from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from trunk_ros.diagnosis.against import identified, nominal_for
-from trunk_ros.diagnosis.cores import one_thread
-from trunk_ros.diagnosis.data.described import described
-from trunk_ros.diagnosis.data.other_simulator import completed, sides_told
-from trunk_ros.diagnosis.data.put_right import put_right
+from trunk_ros.data.put_right import put_right
+from trunk_ros.diagnosis.described import described
 from trunk_ros.diagnosis.diagnoser import Diagnoser, Progress
-from trunk_ros.diagnosis.heap import give_back, keep_what_is_freed
-from trunk_ros.diagnosis.nominal_servo import Servos
+from trunk_ros.diagnosis.resources.cores import one_thread
+from trunk_ros.diagnosis.servos.nominal_servo import Servos
+from trunk_ros.diagnosis.simulators.against import identified, nominal_for
+from trunk_ros.diagnosis.simulators.other_simulator import completed, sides_told
 from trunk_ros.diagnosis.verdict.differences import told_as_differences
 from trunk_ros.diagnosis.verdict.finding import Finding
 from trunk_ros.diagnosis.verdict.result import Diagnosis
 from trunk_ros.errors import ModelError
+from trunk_ros.heap import give_back, keep_what_is_freed
 from trunk_ros.model import Model
 from trunk_ros.recording.read import read_parts, read_recording
 from trunk_ros.recording.recording import Recording

@@ -9,19 +9,15 @@ from functools import partial
 import numpy as np
 
 from trunk_ros.compiled import Array
-from trunk_ros.diagnosis.against import Simulator
-from trunk_ros.diagnosis.aside import aside, size_of
+from trunk_ros.data.align import common_joints, driven, hidden_by_gaps, servo_span, wire_span
+from trunk_ros.data.counting import with_counting
+from trunk_ros.data.load_cells import celled
+from trunk_ros.data.mix_ups import MixUp, as_if_standing
+from trunk_ros.data.quality import quality_by_name
+from trunk_ros.data.rests import of_few_rests
+from trunk_ros.data.sensing.thinned import how_far_off
 from trunk_ros.diagnosis.beside import Beside, beside
 from trunk_ros.diagnosis.context import LEAST
-from trunk_ros.diagnosis.data.align import common_joints, driven, hidden_by_gaps, servo_span, wire_span
-from trunk_ros.diagnosis.data.counting import with_counting
-from trunk_ros.diagnosis.data.load_cells import celled
-from trunk_ros.diagnosis.data.mix_ups import MixUp, as_if_standing
-from trunk_ros.diagnosis.data.other_simulator import shifted
-from trunk_ros.diagnosis.data.quality import quality_by_name
-from trunk_ros.diagnosis.data.rests import of_few_rests
-from trunk_ros.diagnosis.data.sensing.thinned import how_far_off
-from trunk_ros.diagnosis.described_servo import as_it_runs
 from trunk_ros.diagnosis.drawn import drawn
 from trunk_ros.diagnosis.evidence.at_rest import honest
 from trunk_ros.diagnosis.evidence.cross_validation import Error
@@ -30,13 +26,17 @@ from trunk_ros.diagnosis.evidence.residual_dependence import rests as powers
 from trunk_ros.diagnosis.evidence.turned_load import turned_loads
 from trunk_ros.diagnosis.experiment.design import experiment, proposals
 from trunk_ros.diagnosis.free_run import free_run
-from trunk_ros.diagnosis.heap import give_back
 from trunk_ros.diagnosis.judged import judged
-from trunk_ros.diagnosis.nominal_servo import Servos, with_its_servo
 from trunk_ros.diagnosis.pace import with_its_clocks
+from trunk_ros.diagnosis.resources.aside import aside, size_of
 from trunk_ros.diagnosis.search.fit import Fit
-from trunk_ros.diagnosis.servo import ServoStage
-from trunk_ros.diagnosis.stage import Stage
+from trunk_ros.diagnosis.servos.described_servo import as_it_runs
+from trunk_ros.diagnosis.servos.nominal_servo import Servos, with_its_servo
+from trunk_ros.diagnosis.simulators.against import Simulator
+from trunk_ros.diagnosis.simulators.other_simulator import shifted
+from trunk_ros.diagnosis.stages.servo import ServoStage
+from trunk_ros.diagnosis.stages.stage import Stage
+from trunk_ros.diagnosis.stages.wire import WireStage
 from trunk_ros.diagnosis.tip.judged import fitted_tip, judged_tip
 from trunk_ros.diagnosis.tip.lasting import lasting_of
 from trunk_ros.diagnosis.verdict.answer import STAGES, Unexplained
@@ -45,10 +45,10 @@ from trunk_ros.diagnosis.verdict.findings import left_over, without_a_name
 from trunk_ros.diagnosis.verdict.included import all_findings
 from trunk_ros.diagnosis.verdict.result import Diagnosis
 from trunk_ros.diagnosis.whole_arm import on_the_arm
-from trunk_ros.diagnosis.wire import WireStage
 from trunk_ros.effect_values import Values, lateness
 from trunk_ros.effects import effect
 from trunk_ros.errors import RecordingError
+from trunk_ros.heap import give_back
 from trunk_ros.model import Model
 from trunk_ros.own_time import drawn_from
 from trunk_ros.recording.quality import of_one_stamp

@@ -7,14 +7,14 @@ from dataclasses import replace
 import numpy as np
 
 from trunk_ros.compiled import Array
+from trunk_ros.data.bursts import bursts
+from trunk_ros.data.louder import CONSTANT, Louder, growth
+from trunk_ros.data.motion_content import is_wide, repeats, speed_tells
 from trunk_ros.diagnosis.context import Context
-from trunk_ros.diagnosis.data.bursts import bursts
-from trunk_ros.diagnosis.data.louder import CONSTANT, Louder, growth
-from trunk_ros.diagnosis.data.motion_content import is_wide, repeats, speed_tells
+from trunk_ros.diagnosis.disturbances.knocks import with_knocks
 from trunk_ros.diagnosis.hypothesis import Hypothesis
-from trunk_ros.diagnosis.knocks import with_knocks
-from trunk_ros.diagnosis.levels import HALF
-from trunk_ros.diagnosis.stage import Stage
+from trunk_ros.diagnosis.stages.stage import Stage
+from trunk_ros.levels import HALF
 from trunk_ros.recording.signal.resample import SLOW
 
 

@@ -10,10 +10,10 @@ from typing import NamedTuple
 import numpy as np
 
 from trunk_ros.compiled import Array
-from trunk_ros.diagnosis.machine import BOUND
 from trunk_ros.effect_values import Values, payload_in
 from trunk_ros.effects import Effect, effect, registry
 from trunk_ros.effects.moments import NOTHING, Payload
+from trunk_ros.machine import BOUND
 from trunk_ros.parameter import Parameter
 
 Numbers = tuple[tuple[str, float], ...]

@@ -17,11 +17,11 @@ from trunk_ros.diagnosis.evidence.untold import as_the_surest
 from trunk_ros.diagnosis.evidence.veto import believed, harmless
 from trunk_ros.diagnosis.evidence.wandering import steadied
 from trunk_ros.diagnosis.first_look import first_look
-from trunk_ros.diagnosis.heap import give_back
 from trunk_ros.diagnosis.search.fit import Fit, costed, refit
 from trunk_ros.diagnosis.search.long import searched
-from trunk_ros.diagnosis.stage import Stage
+from trunk_ros.diagnosis.stages.stage import Stage
 from trunk_ros.errors import RecordingError
+from trunk_ros.heap import give_back
 
 
 @dataclass(frozen=True)

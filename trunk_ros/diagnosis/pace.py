@@ -11,16 +11,16 @@ import numpy as np
 
 from trunk_ros.arm_model import ArmModel
 from trunk_ros.compiled import Array
+from trunk_ros.data.noise import FLOOR
+from trunk_ros.data.sensing.pairs import told
+from trunk_ros.data.sensing.physics import gains
+from trunk_ros.data.sensing.skew import LARGEST, unseen_skew
+from trunk_ros.data.span import Span
 from trunk_ros.diagnosis.context import Context
-from trunk_ros.diagnosis.data.noise import FLOOR
-from trunk_ros.diagnosis.data.sensing.pairs import told
-from trunk_ros.diagnosis.data.sensing.physics import gains
-from trunk_ros.diagnosis.data.sensing.skew import LARGEST, unseen_skew
-from trunk_ros.diagnosis.data.span import Span
 from trunk_ros.diagnosis.hypothesis import Hypothesis
-from trunk_ros.diagnosis.levels import HARDLY, SCATTER, SURE
 from trunk_ros.effects.curve import abscissa
 from trunk_ros.guards import SAME
+from trunk_ros.levels import HARDLY, SCATTER, SURE
 from trunk_ros.recording.observed import Observed
 from trunk_ros.recording.recording import Recording
 from trunk_ros.recording.topics import TOPICS

@@ -8,16 +8,16 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from trunk_ros.data.align import hidden_by_gaps, servo_span, wire_span
+from trunk_ros.data.motion_content import STANDS, top_speed
 from trunk_ros.diagnosis.context import Context
-from trunk_ros.diagnosis.data.align import hidden_by_gaps, servo_span, wire_span
-from trunk_ros.diagnosis.data.motion_content import STANDS, top_speed
 from trunk_ros.diagnosis.discrepancy.jumps import turns_of
 from trunk_ros.diagnosis.evidence.at_rest import honest
 from trunk_ros.diagnosis.first_look import first_look
 from trunk_ros.diagnosis.search.candidates import DYNAMIC, usable, what_it_has
-from trunk_ros.diagnosis.servo import ServoStage
+from trunk_ros.diagnosis.stages.servo import ServoStage
+from trunk_ros.diagnosis.stages.wire import WireStage
 from trunk_ros.diagnosis.verdict.answer import STAGES
-from trunk_ros.diagnosis.wire import WireStage
 from trunk_ros.effects import Effect, registry
 from trunk_ros.effects.effect import UNTOLD
 from trunk_ros.errors import TrunkError

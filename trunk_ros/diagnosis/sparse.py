@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
 
+from trunk_ros.data.excerpt import sparser
+from trunk_ros.data.noise import Noise
+from trunk_ros.data.span import Span
 from trunk_ros.diagnosis.context import Context
-from trunk_ros.diagnosis.data.excerpt import sparser
-from trunk_ros.diagnosis.data.noise import Noise
-from trunk_ros.diagnosis.data.span import Span
 from trunk_ros.diagnosis.hypothesis import Hypothesis
 
 

@@ -10,11 +10,10 @@ from pathlib import Path
 
 from rich.console import Console
 
-from trunk_ros.diagnosis.against import nominal_for
-from trunk_ros.diagnosis.data.put_right import as_diagnosed, said_of
-from trunk_ros.diagnosis.data.quality import strangers
-from trunk_ros.diagnosis.data.sensing import readings_put_right
-from trunk_ros.diagnosis.words import significant
+from trunk_ros.data.put_right import as_diagnosed, said_of
+from trunk_ros.data.quality import strangers
+from trunk_ros.data.sensing import readings_put_right
+from trunk_ros.diagnosis.simulators.against import nominal_for
 from trunk_ros.errors import ArgumentError
 from trunk_ros.evaluate.score import Row, score
 from trunk_ros.evaluate.source import Prediction, of_model, of_simulator
@@ -24,6 +23,7 @@ from trunk_ros.own_time import doubtful_curves
 from trunk_ros.recording.read import read_recording
 from trunk_ros.recording.recording import Recording
 from trunk_ros.transmission import by_joint
+from trunk_ros.words import significant
 
 FAILED = 3
 STAGES = ("servo", "wire", "arm")

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from trunk_ros.compiled import Array
-from trunk_ros.diagnosis.data.noise import is_none, noise_of, strides_within
+from trunk_ros.data.noise import is_none, noise_of, strides_within
 from trunk_ros.evaluate.signals import Signal
 from trunk_ros.evaluate.source import Prediction
 from trunk_ros.recording.signal.encoder import count

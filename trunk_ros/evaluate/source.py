@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from trunk_ros.chain import Chain
-from trunk_ros.diagnosis.data.other_simulator import on_the_clock
+from trunk_ros.diagnosis.simulators.other_simulator import on_the_clock
 from trunk_ros.diagnosis.tip.data import SIGNALS, UNITS, signals_of, tip_data
 from trunk_ros.errors import RecordingError
 from trunk_ros.evaluate.signals import Signal, of_joints, of_tip

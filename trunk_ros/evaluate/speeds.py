@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from trunk_ros.arm_model import ArmModel
-from trunk_ros.diagnosis.data.motion_content import top_speed
-from trunk_ros.diagnosis.levels import NEARLY
+from trunk_ros.data.motion_content import top_speed
+from trunk_ros.levels import NEARLY
 from trunk_ros.recording.recording import Recording
 
 

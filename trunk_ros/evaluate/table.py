@@ -11,10 +11,10 @@ import numpy as np
 from rich.console import Console
 from rich.table import Table
 
-from trunk_ros.diagnosis.data.noise import is_none
+from trunk_ros.data.noise import is_none
 from trunk_ros.diagnosis.verdict.units import SMALL
-from trunk_ros.diagnosis.words import significant
 from trunk_ros.evaluate.score import Row
+from trunk_ros.words import significant
 
 ROUNDING = "≈ 0"  # what is no more than rounding
 NONE = "–"  # where there is no noise to compare with

@@ -26,9 +26,9 @@ from rich.progress import (
     TimeRemainingColumn,
 )
 
-from trunk_ros.commands.console import Level, asked
-from trunk_ros.commands.progress import EVERY, Say, lines, spoken
-from trunk_ros.diagnosis.nominal_servo import Servos
+from trunk_ros.console.console import Level, asked
+from trunk_ros.console.progress import EVERY, Say, lines, spoken
+from trunk_ros.diagnosis.servos.nominal_servo import Servos
 from trunk_ros.fleet.inputs.listing import Job
 from trunk_ros.fleet.run.cluster import each
 from trunk_ros.fleet.run.examine import examine

@@ -8,8 +8,8 @@ import sys
 from collections.abc import Callable
 from typing import Any
 
-from trunk_ros.commands.console import Level, asked
-from trunk_ros.commands.console import say as tell
+from trunk_ros.console.console import Level, asked
+from trunk_ros.console.console import say as tell
 from trunk_ros.errors import TrunkError
 from trunk_ros.nodes.graph.losses import left_out
 from trunk_ros.nodes.run.arguments import PARTS

@@ -6,7 +6,7 @@ from functools import partial
 from importlib import import_module
 from typing import TYPE_CHECKING
 
-from trunk_ros.commands.arguments import did_you_mean
+from trunk_ros.console.arguments import did_you_mean
 from trunk_ros.errors import ArgumentError
 from trunk_ros.nodes.parameters import PARAMETERS
 

@@ -12,7 +12,7 @@ from rich.table import Table
 from rich.text import Text
 
 from trunk_ros.arm import Wire
-from trunk_ros.commands.console import Level, asked, say
+from trunk_ros.console.console import Level, asked, say
 from trunk_ros.errors import ModelError
 from trunk_ros.model import load_model
 from trunk_ros.paper.figures import figures_5_and_6, tip_over_workspace

@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 
 from test.diagnosis.arms import on, recorded
+from trunk_ros.data.align import wire_span
 from trunk_ros.diagnosis.context import Context
-from trunk_ros.diagnosis.data.align import wire_span
 from trunk_ros.diagnosis.discrepancy.curves import curve_fit
 from trunk_ros.diagnosis.first_look import first_look
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
@@ -18,7 +18,7 @@ from trunk_ros.diagnosis.search.descent import Desk, Move
 from trunk_ros.diagnosis.search.fit import Fit, refit
 from trunk_ros.diagnosis.search.greedy import begun
 from trunk_ros.diagnosis.search.score import score
-from trunk_ros.diagnosis.wire import WireStage
+from trunk_ros.diagnosis.stages.wire import WireStage
 from trunk_ros.effects.curve import VALUES
 from trunk_ros.model import load_model
 

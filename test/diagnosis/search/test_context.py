@@ -9,13 +9,13 @@ import numpy as np
 import pytest
 
 from test.diagnosis.search.looks import context, fitted
-from trunk_ros.diagnosis.data.seen import now_of
+from trunk_ros.data.seen import now_of
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
+from trunk_ros.diagnosis.resources.work import Work
 from trunk_ros.diagnosis.search.descent import Desk
 from trunk_ros.diagnosis.search.fit import Fit
 from trunk_ros.diagnosis.search.greedy import search
 from trunk_ros.diagnosis.search.score import score
-from trunk_ros.diagnosis.work import Work
 from trunk_ros.effects.moments import Payload
 
 

@@ -11,7 +11,7 @@ from test.diagnosis.search.looks import context
 from trunk_ros.diagnosis.first_look import first_look
 from trunk_ros.diagnosis.hypothesis import Term
 from trunk_ros.diagnosis.search.credible import ends_within, hidden
-from trunk_ros.diagnosis.wire import WireStage
+from trunk_ros.diagnosis.stages.wire import WireStage
 from trunk_ros.effects import effect
 from trunk_ros.model import load_model
 

@@ -11,21 +11,21 @@ import pytest
 from test.diagnosis.arms import NOISE, TRUNK, recorded, reshaped
 from test.diagnosis.search.looks import best_of
 from trunk_ros.chain import Chain
-from trunk_ros.diagnosis.data.align import wire_span
+from trunk_ros.data.align import wire_span
 from trunk_ros.diagnosis.discrepancy.curves import Place, ends, with_curve
 from trunk_ros.diagnosis.discrepancy.memory import in_banks, source_of
 from trunk_ros.diagnosis.first_look import first_look
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
-from trunk_ros.diagnosis.levels import LITTLE
 from trunk_ros.diagnosis.search.credible import hidden
 from trunk_ros.diagnosis.search.fit import Fit, costed, refit
 from trunk_ros.diagnosis.search.greedy import begun
 from trunk_ros.diagnosis.search.moves import CURVE
 from trunk_ros.diagnosis.search.moves.curve import _is_clear
-from trunk_ros.diagnosis.wire import WireStage
+from trunk_ros.diagnosis.stages.wire import WireStage
 from trunk_ros.effects.bank import WEIGHTS
 from trunk_ros.effects.curve import KNOTS
 from trunk_ros.effects.wire.coupling_curve import CouplingCurve
+from trunk_ros.levels import LITTLE
 from trunk_ros.recording.recording import Recording
 
 

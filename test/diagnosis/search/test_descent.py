@@ -12,6 +12,7 @@ import pytest
 
 from test.diagnosis.search.looks import context, fitted
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
+from trunk_ros.diagnosis.resources.work import Work
 from trunk_ros.diagnosis.search import greedy
 from trunk_ros.diagnosis.search.descent import (
     COARSE,
@@ -26,7 +27,6 @@ from trunk_ros.diagnosis.search.descent import (
 )
 from trunk_ros.diagnosis.search.fit import Fit, costed, refit
 from trunk_ros.diagnosis.search.greedy import search
-from trunk_ros.diagnosis.work import Work
 
 LITTLE, HALF, ALL = 1e-4, 8e-4, 1.5e-3  # rad of the half-width of joint 3, which is 1.5e-3
 LESS, MORE = 3.2e-4, 4.5e-4  # by which between a fifth and a half of what LITTLE leaves is explained

@@ -10,9 +10,9 @@ import pytest
 from test.diagnosis.search.looks import context
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term, bounds
+from trunk_ros.diagnosis.resources.work import Work
 from trunk_ros.diagnosis.search.fit import Fit, fit, refit
 from trunk_ros.diagnosis.search.residuals import Residuals
-from trunk_ros.diagnosis.work import Work
 
 
 def predictions(look: Context, hypothesis: Hypothesis, column: int) -> tuple[Fit, float]:

@@ -10,7 +10,7 @@ import pytest
 
 from test.diagnosis.arms import TRUNK, recorded
 from test.diagnosis.search.looks import context, fitted, knowing
-from trunk_ros.diagnosis.data.align import servo_span
+from trunk_ros.data.align import servo_span
 from trunk_ros.diagnosis.first_look import first_look
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
 from trunk_ros.diagnosis.search.fit import Fit, costed
@@ -30,8 +30,8 @@ from trunk_ros.diagnosis.search.score import (
     price,
     score,
 )  # fmt: skip
-from trunk_ros.diagnosis.servo import ServoStage
-from trunk_ros.diagnosis.stage import STANDING
+from trunk_ros.diagnosis.stages.servo import ServoStage
+from trunk_ros.diagnosis.stages.stage import STANDING
 
 BACKLASH = Term("backlash", own={2: {"half_width": 1.5e-3}})
 

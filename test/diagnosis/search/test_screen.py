@@ -8,7 +8,7 @@ import pytest
 from test.diagnosis.arms import on
 from test.diagnosis.search.looks import context, fitted
 from trunk_ros.chain import Chain
-from trunk_ros.diagnosis.data.align import wire_span
+from trunk_ros.data.align import wire_span
 from trunk_ros.diagnosis.first_look import first_look
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
 from trunk_ros.diagnosis.search.candidates import Candidate, extended, local_kinds
@@ -20,7 +20,7 @@ from trunk_ros.diagnosis.search.residuals import Residuals
 from trunk_ros.diagnosis.search.screen import PROMISED, Kept, Screen
 from trunk_ros.diagnosis.search.size import reach
 from trunk_ros.diagnosis.search.trial import may_win
-from trunk_ros.diagnosis.wire import WireStage
+from trunk_ros.diagnosis.stages.wire import WireStage
 from trunk_ros.effects import Effect, effect
 from trunk_ros.model import Model, load_model
 from trunk_ros.parameter import leading

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 from test.diagnosis.search.looks import context
-from trunk_ros.diagnosis.data.seen import abreast, at, now_of
+from trunk_ros.data.seen import abreast, at, now_of
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
 from trunk_ros.diagnosis.search.candidates import Candidate, extended
-from trunk_ros.diagnosis.side_by_side import alike
+from trunk_ros.diagnosis.stages.side_by_side import alike
 from trunk_ros.effects import effect, registry
 
 BASE = Hypothesis(

@@ -14,8 +14,8 @@ import numpy as np
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.discrepancy.precisions import Beside, Total, Weighed, weighed
-from trunk_ros.diagnosis.levels import REFITTED, ROWS, SLIGHT, TENFOLD
 from trunk_ros.effects.bank import Bank
+from trunk_ros.levels import REFITTED, ROWS, SLIGHT, TENFOLD
 
 AMPLE = round(TENFOLD) * ROWS
 CUTS = 40  # blocks of time, in FOLDS that are left out in turn

@@ -14,7 +14,6 @@ from trunk_ros.diagnosis.discrepancy.memory import drawn, redrawn_banks, sources
 from trunk_ros.diagnosis.evidence.at_rest import honest
 from trunk_ros.diagnosis.evidence.residual_dependence import rests
 from trunk_ros.diagnosis.hypothesis import Hypothesis
-from trunk_ros.diagnosis.levels import HARDLY, NOTABLE, SLIGHT
 from trunk_ros.diagnosis.search.candidates import shown_forms
 from trunk_ros.diagnosis.search.credible import hidden
 from trunk_ros.diagnosis.search.fit import Fit, costed_on, fit
@@ -23,6 +22,7 @@ from trunk_ros.diagnosis.search.moves.form import refinements
 from trunk_ros.diagnosis.search.score import CURVE
 from trunk_ros.effects import effect
 from trunk_ros.effects.curve import HALF
+from trunk_ros.levels import HARDLY, NOTABLE, SLIGHT
 
 
 def with_banks(state: Fit) -> Fit:

@@ -8,12 +8,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from trunk_ros.compiled import Array
+from trunk_ros.data.spectrum import spectrum
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.discrepancy.jumps import jumps, moved_by
 from trunk_ros.diagnosis.discrepancy.smooth import smoothed
-from trunk_ros.diagnosis.discrepancy.spectrum import spectrum
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
-from trunk_ros.diagnosis.levels import PART, TURNS
 from trunk_ros.diagnosis.search.fit import Fit, costed_on, fit
 from trunk_ros.diagnosis.search.score import SIGNIFICANT
 from trunk_ros.effects import effect, registry
@@ -23,6 +22,7 @@ from trunk_ros.effects.wire.unknown_cycle import UnknownCycle
 from trunk_ros.effects.wire.unknown_jumps import MOMENTS, UnknownJumps
 from trunk_ros.effects.wire.unknown_slips import UnknownSlips
 from trunk_ros.effects.wire.unknown_waves import UnknownWaves
+from trunk_ros.levels import PART, TURNS
 from trunk_ros.recording.signal.resample import SLOW
 
 BUMP = 1e-4  # rad of a dead band, for derivatives

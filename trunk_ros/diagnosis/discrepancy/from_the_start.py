@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from trunk_ros.diagnosis.discrepancy.banked import unseen, with_banks
-from trunk_ros.diagnosis.levels import SLIGHT
 from trunk_ros.diagnosis.search.fit import Fit
-from trunk_ros.diagnosis.wire import opened, settled
+from trunk_ros.diagnosis.stages.wire import opened, settled
+from trunk_ros.levels import SLIGHT
 
 
 def from_the_start(state: Fit, seconds: float) -> Fit:

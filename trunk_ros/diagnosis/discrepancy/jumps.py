@@ -6,9 +6,9 @@ import numpy as np
 from scipy.special import bdtrc
 
 from trunk_ros.compiled import Array, compiled
-from trunk_ros.diagnosis.data.align import SETTLING
-from trunk_ros.diagnosis.data.motion_content import APART
-from trunk_ros.diagnosis.levels import CHANCE, HARDLY
+from trunk_ros.data.align import SETTLING
+from trunk_ros.data.motion_content import APART
+from trunk_ros.levels import CHANCE, HARDLY
 
 TURNING = SETTLING  # s from a joint's turn within which a jump belongs to the turn
 

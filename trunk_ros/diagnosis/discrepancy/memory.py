@@ -9,12 +9,12 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from trunk_ros.compiled import Array
+from trunk_ros.data.motion_content import STANDS, comes_back, passes_again
+from trunk_ros.data.noise import alike
 from trunk_ros.diagnosis.context import Context
-from trunk_ros.diagnosis.data.motion_content import STANDS, comes_back, passes_again
-from trunk_ros.diagnosis.data.noise import alike
 from trunk_ros.diagnosis.discrepancy.bank_weights import Cuts, Source, Sums, chosen_of, thinned
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
-from trunk_ros.diagnosis.wire import WireStage
+from trunk_ros.diagnosis.stages.wire import WireStage
 from trunk_ros.effects import effect, registry
 from trunk_ros.effects.bank import PATH_OF, Bank, motion, words_of
 from trunk_ros.stage import SENSOR

@@ -10,8 +10,8 @@ from scipy.linalg.blas import dtrmm
 from scipy.linalg.lapack import dpotrf, dpotrs, dtrtri, dtrtrs
 
 from trunk_ros.compiled import Array
-from trunk_ros.diagnosis.levels import PART
 from trunk_ros.guards import ROUNDED, ROUNDS, TINY
+from trunk_ros.levels import PART
 
 PRECISIONS = (1e-3, 1e8)
 

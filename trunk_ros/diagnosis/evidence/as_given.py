@@ -12,7 +12,6 @@ from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.discrepancy.curves import followed
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
-from trunk_ros.diagnosis.levels import NEARLY
 from trunk_ros.diagnosis.search.credible import unshown
 from trunk_ros.diagnosis.search.fit import Fit, change, refit
 from trunk_ros.diagnosis.search.formed import behind
@@ -21,6 +20,7 @@ from trunk_ros.diagnosis.search.score import naming, needed, price_of_change
 from trunk_ros.effects import effect
 from trunk_ros.effects.bank import Bank
 from trunk_ros.guards import ROUNDED
+from trunk_ros.levels import NEARLY
 from trunk_ros.parameter import Parameter
 
 

@@ -9,11 +9,11 @@ from dataclasses import replace
 import numpy as np
 
 from trunk_ros.compiled import Array
+from trunk_ros.data.noise import Noise, roughness_of
 from trunk_ros.diagnosis.context import Context
-from trunk_ros.diagnosis.data.noise import Noise, roughness_of
+from trunk_ros.diagnosis.disturbances.knocks import standing
 from trunk_ros.diagnosis.hypothesis import Hypothesis
-from trunk_ros.diagnosis.knocks import standing
-from trunk_ros.diagnosis.levels import CERTAIN, CLEARLY, ENOUGH, FEWEST, PART
+from trunk_ros.levels import CERTAIN, CLEARLY, ENOUGH, FEWEST, PART
 from trunk_ros.recording.signal.resample import SLOW
 
 

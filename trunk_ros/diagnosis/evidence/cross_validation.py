@@ -17,8 +17,8 @@ from trunk_ros.diagnosis.discrepancy.memory import redrawn_banks, without_banks
 from trunk_ros.diagnosis.evidence.at_rest import honest
 from trunk_ros.diagnosis.free_run import free_run
 from trunk_ros.diagnosis.hypothesis import Hypothesis
-from trunk_ros.diagnosis.levels import SURE
 from trunk_ros.diagnosis.search.fit import Fit, refit
+from trunk_ros.levels import SURE
 
 BLOCKS = 10
 

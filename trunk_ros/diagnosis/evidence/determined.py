@@ -9,7 +9,6 @@ import numpy as np
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.hypothesis import Free, bounds
-from trunk_ros.diagnosis.levels import NEARLY, ROUGH
 from trunk_ros.diagnosis.search.fit import Fit, groups
 from trunk_ros.diagnosis.search.residuals import Residuals
 from trunk_ros.diagnosis.verdict.units import unit_on
@@ -17,6 +16,7 @@ from trunk_ros.effects import effect
 from trunk_ros.effects.bank import Bank
 from trunk_ros.effects.curve import Curve
 from trunk_ros.guards import BLIND, ROUNDED
+from trunk_ros.levels import NEARLY, ROUGH
 
 
 @dataclass(frozen=True)

@@ -9,11 +9,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from trunk_ros.data.excerpt import excerpt
+from trunk_ros.data.noise import rms
 from trunk_ros.diagnosis.context import Context
-from trunk_ros.diagnosis.data.excerpt import excerpt
-from trunk_ros.diagnosis.data.noise import rms
 from trunk_ros.diagnosis.hypothesis import Hypothesis
-from trunk_ros.diagnosis.levels import CLEARLY, FEWEST, NOTABLE
 from trunk_ros.diagnosis.search.credible import BY_THE_WAY
 from trunk_ros.diagnosis.search.descent import Desk
 from trunk_ros.diagnosis.search.fit import refit
@@ -22,6 +21,7 @@ from trunk_ros.diagnosis.search.long import granted
 from trunk_ros.diagnosis.sparse import apart
 from trunk_ros.diagnosis.verdict.units import sized
 from trunk_ros.effects import effect
+from trunk_ros.levels import CLEARLY, FEWEST, NOTABLE
 
 TELLS = NOTABLE**2  # times the power of noise, or of what is left where an effect holds: less tells nothing
 

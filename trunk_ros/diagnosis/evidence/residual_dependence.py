@@ -7,16 +7,16 @@ from collections.abc import Mapping
 import numpy as np
 
 from trunk_ros.compiled import Array
+from trunk_ros.data.motion_content import PLACES
+from trunk_ros.data.spectrum import spectrum
+from trunk_ros.data.surroundings import counted
 from trunk_ros.diagnosis.context import Context
-from trunk_ros.diagnosis.data.motion_content import PLACES
-from trunk_ros.diagnosis.data.surroundings import counted
 from trunk_ros.diagnosis.discrepancy.curves import variables
-from trunk_ros.diagnosis.discrepancy.spectrum import spectrum
 from trunk_ros.diagnosis.evidence.cross_validation import Error
 from trunk_ros.diagnosis.hypothesis import Hypothesis
-from trunk_ros.diagnosis.levels import HALF, PART, ROUGHLY, SLIGHT, SURE
 from trunk_ros.diagnosis.search.formed import behind, but_for_a_lag, off_by
 from trunk_ros.effects.curve import abscissa, words_of
+from trunk_ros.levels import HALF, PART, ROUGHLY, SLIGHT, SURE
 from trunk_ros.recording.signal.resample import SLOW
 
 

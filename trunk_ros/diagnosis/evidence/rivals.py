@@ -7,7 +7,6 @@ from dataclasses import dataclass, replace
 
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
-from trunk_ros.diagnosis.levels import REFITTED
 from trunk_ros.diagnosis.search.candidates import Candidate, extended, is_open, usable
 from trunk_ros.diagnosis.search.credible import hidden
 from trunk_ros.diagnosis.search.fit import Fit, refit, refit_column
@@ -16,6 +15,7 @@ from trunk_ros.diagnosis.search.moves.swap_all import alike, inherited
 from trunk_ros.diagnosis.search.score import priced
 from trunk_ros.diagnosis.search.screen import Kept, Screen
 from trunk_ros.effects import Effect, confused, effect
+from trunk_ros.levels import REFITTED
 
 FAR = 5.0
 """Losses that tell: what loses so many is no rival, and how much it loses makes no difference."""

@@ -9,7 +9,6 @@ import numpy as np
 
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.evidence.rivals import Looks
-from trunk_ros.diagnosis.levels import REFITTED
 from trunk_ros.diagnosis.search.candidates import Candidate, extended
 from trunk_ros.diagnosis.search.credible import hidden
 from trunk_ros.diagnosis.search.fit import Fit, refit_column
@@ -17,6 +16,7 @@ from trunk_ros.diagnosis.search.screen import PROMISED
 from trunk_ros.diagnosis.search.size import scaled
 from trunk_ros.effects import effect
 from trunk_ros.guards import BLIND
+from trunk_ros.levels import REFITTED
 
 Pair = tuple[str, str]
 Starts = tuple[Candidate, Candidate]

@@ -12,13 +12,13 @@ import numpy as np
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.evidence.cross_validation import BLOCKS
 from trunk_ros.diagnosis.hypothesis import Free, Hypothesis, bounds
-from trunk_ros.diagnosis.levels import HARDLY, NOTABLE, ROUGH
 from trunk_ros.diagnosis.search.candidates import given
 from trunk_ros.diagnosis.search.fit import Fit, groups, step
 from trunk_ros.diagnosis.search.formed import behind
 from trunk_ros.diagnosis.search.residuals import Residuals
 from trunk_ros.effects import effect
 from trunk_ros.guards import BLIND, ROUNDED
+from trunk_ros.levels import HARDLY, NOTABLE, ROUGH
 
 Spreads = dict[tuple[str, str, int | None], float]
 WIDER = 1.5  # times: timing is in no noise, and part of what is off hides in the values that it moves

@@ -7,16 +7,16 @@ from collections.abc import Collection
 import numpy as np
 
 from trunk_ros.compiled import Array
+from trunk_ros.data.mix_ups import MixUp
 from trunk_ros.diagnosis.context import Context
-from trunk_ros.diagnosis.data.mix_ups import MixUp
 from trunk_ros.diagnosis.evidence.cross_validation import BLOCKS
 from trunk_ros.diagnosis.hypothesis import Term
-from trunk_ros.diagnosis.levels import PART, SURE
 from trunk_ros.diagnosis.search.fit import Fit, refit
 from trunk_ros.diagnosis.search.score import need
-from trunk_ros.diagnosis.words import significant
 from trunk_ros.effects import effect
+from trunk_ros.levels import PART, SURE
 from trunk_ros.recording.topics import TOPICS
+from trunk_ros.words import significant
 
 
 def turned_loads(state: Fit, cells: Collection[str]) -> list[MixUp]:

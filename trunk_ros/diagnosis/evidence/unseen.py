@@ -7,14 +7,14 @@ from collections.abc import Collection, Iterator, Mapping
 import numpy as np
 
 from trunk_ros.compiled import Array
+from trunk_ros.data.surroundings import counted
 from trunk_ros.diagnosis.context import Context
-from trunk_ros.diagnosis.data.surroundings import counted
 from trunk_ros.diagnosis.discrepancy.curves import redrawn
 from trunk_ros.diagnosis.evidence.cross_validation import BLOCKS, number_of
 from trunk_ros.diagnosis.free_run import free_run
 from trunk_ros.diagnosis.hypothesis import Hypothesis
-from trunk_ros.diagnosis.levels import SEVERAL
 from trunk_ros.diagnosis.search.fit import Fit, fit, groups
+from trunk_ros.levels import SEVERAL
 
 
 def unseen(context: Context, hypothesis: Hypothesis, columns: Collection[int], whole: bool = False) -> Array:

@@ -10,12 +10,11 @@ import numpy as np
 
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.context import Context
-from trunk_ros.diagnosis.cores import each
 from trunk_ros.diagnosis.evidence.as_given import unrounded
 from trunk_ros.diagnosis.evidence.evidence import Evidence, evidence
 from trunk_ros.diagnosis.evidence.unseen import unseen
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
-from trunk_ros.diagnosis.levels import HALF, SEVERAL
+from trunk_ros.diagnosis.resources.cores import each
 from trunk_ros.diagnosis.search.candidates import usable
 from trunk_ros.diagnosis.search.credible import unshown
 from trunk_ros.diagnosis.search.fit import Fit, groups, refit
@@ -24,6 +23,7 @@ from trunk_ros.diagnosis.search.score import BETTER, beats, by_values, score
 from trunk_ros.diagnosis.search.state import moments_of
 from trunk_ros.effects import effect
 from trunk_ros.guards import TINY
+from trunk_ros.levels import HALF, SEVERAL
 
 
 def believed(state: Fit, part: Fit) -> tuple[Fit, Fit, dict[str, Evidence]]:

@@ -7,10 +7,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import replace
 
+from trunk_ros.data.noise import Noise
 from trunk_ros.diagnosis.context import Context
-from trunk_ros.diagnosis.data.noise import Noise
 from trunk_ros.diagnosis.hypothesis import Hypothesis
-from trunk_ros.diagnosis.levels import REFITTED, SEVERAL
+from trunk_ros.diagnosis.resources.work import Work
 from trunk_ros.diagnosis.search.candidates import open_kinds
 from trunk_ros.diagnosis.search.descent import Desk, descend
 from trunk_ros.diagnosis.search.fit import Fit, costed_on, refit, refit_column
@@ -26,7 +26,7 @@ from trunk_ros.diagnosis.search.slow_noise import (
     wandering_in,
 )
 from trunk_ros.diagnosis.search.trial import looks
-from trunk_ros.diagnosis.work import Work
+from trunk_ros.levels import REFITTED, SEVERAL
 from trunk_ros.recording.signal.resample import SLOW
 
 

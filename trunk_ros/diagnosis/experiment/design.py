@@ -15,18 +15,18 @@ import numpy as np
 
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.context import Context
-from trunk_ros.diagnosis.cores import each
 from trunk_ros.diagnosis.evidence.evidence import Evidence
 from trunk_ros.diagnosis.experiment.discrimination import Difference, Duel, expected, span_of
 from trunk_ros.diagnosis.experiment.motions import Stretch, elsewhere, limits_of, most_of, motion, stretches
 from trunk_ros.diagnosis.experiment.rival_forms import sides_of
-from trunk_ros.diagnosis.levels import CLEARLY, HARDLY, TENFOLD
+from trunk_ros.diagnosis.resources.cores import each
+from trunk_ros.diagnosis.resources.work import Work
 from trunk_ros.diagnosis.search.fit import Fit
 from trunk_ros.diagnosis.search.long import WORK
 from trunk_ros.diagnosis.verdict.units import per_second, placed, sized
-from trunk_ros.diagnosis.words import significant
-from trunk_ros.diagnosis.work import Work
+from trunk_ros.levels import CLEARLY, HARDLY, TENFOLD
 from trunk_ros.trajectory import Trajectory
+from trunk_ros.words import significant
 
 DESIGNED = WORK / 12.0  # joint-steps, a second: then no further pair and no further motion is tried
 LIKELIEST = 2  # equivalents of a finding that it is to be told from: each costs as much as the first

@@ -9,16 +9,16 @@ import numpy as np
 
 from trunk_ros.chain import Chain
 from trunk_ros.compiled import Array
+from trunk_ros.data.align import servo_span, wire_span
+from trunk_ros.data.noise import rms
+from trunk_ros.data.span import Span
 from trunk_ros.diagnosis.context import Context
-from trunk_ros.diagnosis.data.align import servo_span, wire_span
-from trunk_ros.diagnosis.data.noise import rms
-from trunk_ros.diagnosis.data.span import Span
 from trunk_ros.diagnosis.hypothesis import Hypothesis, bounds
-from trunk_ros.diagnosis.levels import CLEARLY, TENFOLD
 from trunk_ros.diagnosis.search.fit import ROUNDS, groups, minimise
 from trunk_ros.diagnosis.search.residuals import Residuals
 from trunk_ros.diagnosis.search.score import need
 from trunk_ros.guards import BLIND, ROUNDED
+from trunk_ros.levels import CLEARLY, TENFOLD
 from trunk_ros.model import Model
 from trunk_ros.recording.recording import JointSeries, Recording
 from trunk_ros.recording.signal.resample import SLOW

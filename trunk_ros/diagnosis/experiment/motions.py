@@ -13,7 +13,7 @@ import numpy as np
 from trunk_ros.arm.parameters import ANY_ANGLE
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.context import Context
-from trunk_ros.diagnosis.levels import ENOUGH, HALF, OUTLIERS, SLIGHT, SOME, THREEFOLD
+from trunk_ros.levels import ENOUGH, HALF, OUTLIERS, SLIGHT, SOME, THREEFOLD
 from trunk_ros.motion import LEAD_IN, PEAK, QUICKEST, merge
 from trunk_ros.trajectory import Limits, Trajectory
 

@@ -8,9 +8,9 @@ from trunk_ros.diagnosis.evidence.evidence import Evidence, doubt
 from trunk_ros.diagnosis.evidence.rivals import by_its_own_angles
 from trunk_ros.diagnosis.experiment.discrimination import Duel, Other
 from trunk_ros.diagnosis.hypothesis import Hypothesis
-from trunk_ros.diagnosis.levels import REFITTED
 from trunk_ros.diagnosis.search.fit import Fit, refit
 from trunk_ros.effects import effect
+from trunk_ros.levels import REFITTED
 from trunk_ros.parameter import Parameter
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from trunk_ros.diagnosis.data.noise import is_none, rms
+from trunk_ros.data.noise import is_none, rms
 from trunk_ros.diagnosis.report.signals import acts, concerns, contributions, entries, signals
 from trunk_ros.diagnosis.report.signature import figure_signature, reading
 from trunk_ros.diagnosis.report.style import image
@@ -15,9 +15,9 @@ from trunk_ros.diagnosis.verdict.answer import Answer
 from trunk_ros.diagnosis.verdict.differences import is_excess
 from trunk_ros.diagnosis.verdict.finding import Finding
 from trunk_ros.diagnosis.verdict.units import UNTOLD, is_open
-from trunk_ros.diagnosis.words import listed
 from trunk_ros.effects import effect, registry
 from trunk_ros.own_time import TIME
+from trunk_ros.words import listed
 
 OWN_TIME = " It was seen in this recording: whether another one repeats it is not known."
 ALL = "arm"  # owner of shared values

@@ -11,7 +11,7 @@ from trunk_ros.diagnosis.evidence.cross_validation import BLOCKS
 from trunk_ros.diagnosis.report.signals import Signal, entries, largest, signals
 from trunk_ros.diagnosis.report.units import quantity
 from trunk_ros.diagnosis.verdict.answer import STAGES, Answer
-from trunk_ros.diagnosis.words import significant
+from trunk_ros.words import significant
 
 SAME = "same"
 LEAST_SPEED = 1e-3  # of the range per second, on average: slower than this nothing can be said of a lag

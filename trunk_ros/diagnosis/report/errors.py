@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import NullLocator
 
 from trunk_ros.compiled import Array
-from trunk_ros.diagnosis.data.noise import is_none
+from trunk_ros.data.noise import is_none
 from trunk_ros.diagnosis.report.signals import Signal, concerns, entries, signals
 from trunk_ros.diagnosis.report.style import (
     ACCENT,

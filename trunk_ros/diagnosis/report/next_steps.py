@@ -12,9 +12,9 @@ from trunk_ros.diagnosis.report.signals import judged, mixed_up
 from trunk_ros.diagnosis.report.units import spoken
 from trunk_ros.diagnosis.verdict.answer import Answer
 from trunk_ros.diagnosis.verdict.finding import Finding
-from trunk_ros.diagnosis.words import listed
 from trunk_ros.effects import registry
 from trunk_ros.recording.topics import COMPARED, TOPICS
+from trunk_ros.words import listed
 
 BETWEEN = {"servo": "the servos", "wire": "the transmission", "arm": "the tip"}
 

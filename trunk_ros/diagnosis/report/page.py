@@ -27,7 +27,7 @@ from trunk_ros.diagnosis.report.units import spoken
 from trunk_ros.diagnosis.report.verdict import gain, headline, verdict_word
 from trunk_ros.diagnosis.report.where import maps, not_compared
 from trunk_ros.diagnosis.verdict.answer import Answer
-from trunk_ros.diagnosis.words import listed
+from trunk_ros.words import listed
 
 TEMPLATES = Path(__file__).parent
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from trunk_ros.compiled import Array
-from trunk_ros.diagnosis.data.motion_content import STILL
+from trunk_ros.data.motion_content import STILL
 from trunk_ros.diagnosis.report.signals import CELLS, reversals
 from trunk_ros.recording.signal.gaps import runs
 

@@ -9,11 +9,11 @@ import numpy as np
 
 from trunk_ros.chain import Chain
 from trunk_ros.compiled import Array, compiled
-from trunk_ros.diagnosis.levels import ROUGH
 from trunk_ros.diagnosis.verdict.answer import STAGES, Answer
 from trunk_ros.diagnosis.verdict.finding import Finding
 from trunk_ros.effects import effect
 from trunk_ros.errors import TrunkError
+from trunk_ros.levels import ROUGH
 from trunk_ros.recording.signal.measured import Measured
 
 CELLS = 300  # of time that a picture has: in each the extremes of every curve are kept

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 
-from trunk_ros.diagnosis.levels import ROUGH
-from trunk_ros.diagnosis.words import significant
+from trunk_ros.levels import ROUGH
+from trunk_ros.words import significant
 
 # Largest size (in the SI unit) up to which a multiple is used; the last one holds for all above.
 STEPS: dict[str, tuple[tuple[float, float, str], ...]] = {

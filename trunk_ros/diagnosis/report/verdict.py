@@ -8,7 +8,7 @@ from trunk_ros.diagnosis.report.units import fall, rounded, spoken, times
 from trunk_ros.diagnosis.verdict.answer import STAGES, Answer
 from trunk_ros.diagnosis.verdict.differences import is_excess
 from trunk_ros.diagnosis.verdict.finding import Finding
-from trunk_ros.diagnosis.words import listed
+from trunk_ros.words import listed
 
 FEW = 2  # findings that a sentence can hold
 LIKELY = 0.5  # confidence: below it a finding is a guess, and called one

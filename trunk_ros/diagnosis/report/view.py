@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from trunk_ros.compiled import Array
-from trunk_ros.diagnosis.data.motion_content import STILL
+from trunk_ros.data.motion_content import STILL
 from trunk_ros.diagnosis.report.regimes import JUST
 from trunk_ros.diagnosis.report.signals import Signal, joint_angle, load, reversals, signals
 from trunk_ros.diagnosis.report.units import multiple

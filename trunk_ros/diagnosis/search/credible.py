@@ -12,11 +12,11 @@ from trunk_ros.compiled import Array
 from trunk_ros.cubic import DEGREE, cubic
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term, bind_column
-from trunk_ros.diagnosis.levels import HARDLY, PART, SEVERAL, SURE, TOGETHER
 from trunk_ros.effects import Effect, effect
 from trunk_ros.effects.effect import Now
 from trunk_ros.effects.lasting import shown_between
 from trunk_ros.effects.moments import LASTING, RISE
+from trunk_ros.levels import HARDLY, PART, SEVERAL, SURE, TOGETHER
 from trunk_ros.parameter import GROWN
 
 BY_THE_WAY = ("reversal", "low_speed", "high_speed", "hold")  # regimes of what acts by how a joint moves

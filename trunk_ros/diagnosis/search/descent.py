@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 
 from trunk_ros.diagnosis.hypothesis import Hypothesis
-from trunk_ros.diagnosis.levels import HALF, HARDLY
 from trunk_ros.diagnosis.search.candidates import Candidate
 from trunk_ros.diagnosis.search.fit import Fit, costed
 from trunk_ros.diagnosis.search.hummed import told_from_hum
@@ -20,6 +19,7 @@ from trunk_ros.diagnosis.search.screen import PROMISED, Kept
 from trunk_ros.diagnosis.search.slow_noise import told_from_noise
 from trunk_ros.diagnosis.search.state import describe, moments_of, state_of, structure
 from trunk_ros.effects import effect
+from trunk_ros.levels import HALF, HARDLY
 
 LARGE = HALF  # of what is left: what explains so much of it, and much of all, comes before anything is mended
 COARSE = (0.2, HARDLY, 0.0)  # of what is left: what a change has to gain then, later, and in the end

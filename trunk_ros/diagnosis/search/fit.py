@@ -9,10 +9,10 @@ import numpy as np
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.hypothesis import Hypothesis, bounds
-from trunk_ros.diagnosis.levels import TURNS
+from trunk_ros.diagnosis.resources.work import Work
 from trunk_ros.diagnosis.search.residuals import Residuals, worst
-from trunk_ros.diagnosis.work import Work
 from trunk_ros.effects import effect
+from trunk_ros.levels import TURNS
 
 ROUNDS = 12
 SETTLED = 2  # rounds after which gains only get smaller

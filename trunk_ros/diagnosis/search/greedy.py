@@ -8,9 +8,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
-from trunk_ros.diagnosis.arrivals import arrived
 from trunk_ros.diagnosis.context import Context
-from trunk_ros.diagnosis.levels import LITTLE, REFITTED
+from trunk_ros.diagnosis.disturbances.arrivals import arrived
 from trunk_ros.diagnosis.search.descent import Desk, Move, descend, of
 from trunk_ros.diagnosis.search.fit import Fit, costed, refit
 from trunk_ros.diagnosis.search.formed import measured
@@ -19,6 +18,7 @@ from trunk_ros.diagnosis.search.moves import CURVE, DROP, FURTHER_JOINTS, MOVES,
 from trunk_ros.diagnosis.search.moves.add import additions
 from trunk_ros.diagnosis.search.score import beats, score
 from trunk_ros.effects import effect
+from trunk_ros.levels import LITTLE, REFITTED
 
 
 def search(context: Context, desk: Desk) -> Fit:

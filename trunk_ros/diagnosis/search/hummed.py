@@ -10,19 +10,19 @@ from dataclasses import replace
 import numpy as np
 
 from trunk_ros.compiled import Array
+from trunk_ros.data.sensing.hum import TONES, Hum, tone
+from trunk_ros.data.sensing.physics import CLOCKED
+from trunk_ros.data.surroundings import View
 from trunk_ros.diagnosis.context import Context
-from trunk_ros.diagnosis.data.sensing.hum import TONES, Hum, tone
-from trunk_ros.diagnosis.data.sensing.physics import CLOCKED
-from trunk_ros.diagnosis.data.surroundings import View
 from trunk_ros.diagnosis.hypothesis import Hypothesis
-from trunk_ros.diagnosis.levels import JOINTS, SEVERAL
-from trunk_ros.diagnosis.machine import precision
 from trunk_ros.diagnosis.search.candidates import kinds_of_all, open_kinds
 from trunk_ros.diagnosis.search.fit import Fit, costed, refit
 from trunk_ros.diagnosis.search.formed import measured
 from trunk_ros.diagnosis.search.residuals import Residuals
 from trunk_ros.diagnosis.search.screen import Kept, Screen
 from trunk_ros.diagnosis.search.trial import looks, on_all_joints
+from trunk_ros.levels import JOINTS, SEVERAL
+from trunk_ros.machine import precision
 from trunk_ros.recording.signal.resample import SLOW
 
 

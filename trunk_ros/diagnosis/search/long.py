@@ -8,10 +8,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from trunk_ros.data.excerpt import excerpt
 from trunk_ros.diagnosis.context import Context
-from trunk_ros.diagnosis.data.excerpt import excerpt
-from trunk_ros.diagnosis.heap import give_back
 from trunk_ros.diagnosis.hypothesis import Hypothesis
+from trunk_ros.diagnosis.resources.work import Work
 from trunk_ros.diagnosis.search.descent import Desk, descend
 from trunk_ros.diagnosis.search.fit import Fit, refit
 from trunk_ros.diagnosis.search.greedy import begun, plain, search
@@ -21,7 +21,7 @@ from trunk_ros.diagnosis.search.moves.onset import REACH, moments, moved
 from trunk_ros.diagnosis.search.score import beats
 from trunk_ros.diagnosis.search.windows import EDGES
 from trunk_ros.diagnosis.sparse import Sparse, noise_of_every, sparse
-from trunk_ros.diagnosis.work import Work
+from trunk_ros.heap import give_back
 
 WORK = 1.2e8  # simulated joint-steps that a search may take: eight seconds of one core
 EACH = 0.5 * WORK  # more for each effect that it finds

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from trunk_ros.diagnosis.arrivals import arrived
 from trunk_ros.diagnosis.context import Context
+from trunk_ros.diagnosis.disturbances.arrivals import arrived
 from trunk_ros.diagnosis.hypothesis import Hypothesis
-from trunk_ros.diagnosis.levels import TURNS
 from trunk_ros.diagnosis.pace import differ, paced, with_unseen_skew
 from trunk_ros.diagnosis.search.fit import Fit, costed, refit
 from trunk_ros.diagnosis.search.score import naming, need, score
 from trunk_ros.effects import imitated
+from trunk_ros.levels import TURNS
 
 
 def renewed(now: Fit) -> Fit:

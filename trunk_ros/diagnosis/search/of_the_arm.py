@@ -9,16 +9,16 @@ from collections.abc import Iterator
 import numpy as np
 
 from trunk_ros.compiled import Array
+from trunk_ros.data.noise import FLOOR, Noise, rms
+from trunk_ros.data.surroundings import counted
 from trunk_ros.derivatives import gradient
 from trunk_ros.diagnosis.context import Context
-from trunk_ros.diagnosis.data.noise import FLOOR, Noise, rms
-from trunk_ros.diagnosis.data.surroundings import counted
 from trunk_ros.diagnosis.discrepancy.bank_weights import CUTS, thinned
 from trunk_ros.diagnosis.hypothesis import Hypothesis
-from trunk_ros.diagnosis.levels import PART, SURE
 from trunk_ros.effects import effect
 from trunk_ros.effects.curve import Curve
 from trunk_ros.guards import SAME
+from trunk_ros.levels import PART, SURE
 
 STEADY, SPEED, ACCELERATION, LOAD = range(4)
 Signals = list[Array]

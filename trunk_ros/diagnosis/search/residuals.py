@@ -7,8 +7,8 @@ from collections.abc import Iterator
 import numpy as np
 
 from trunk_ros.compiled import Array
+from trunk_ros.data.surroundings import counted
 from trunk_ros.diagnosis.context import Context
-from trunk_ros.diagnosis.data.surroundings import counted
 from trunk_ros.diagnosis.hypothesis import Free, Hypothesis, bounds, scales
 from trunk_ros.effects import effect
 

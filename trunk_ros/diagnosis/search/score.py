@@ -10,16 +10,16 @@ from math import log
 import numpy as np
 
 from trunk_ros.diagnosis.context import Context
+from trunk_ros.diagnosis.disturbances.thrown import rests, room, throws
 from trunk_ros.diagnosis.hypothesis import Free, Hypothesis, Term
-from trunk_ros.diagnosis.levels import HALF, PART, SLIGHT, SOME, TOGETHER
 from trunk_ros.diagnosis.search.credible import unshown
 from trunk_ros.diagnosis.search.fit import Fit
 from trunk_ros.diagnosis.search.formed import FORMULAS, off_by
-from trunk_ros.diagnosis.stage import STANDING
-from trunk_ros.diagnosis.thrown import rests, room, throws
+from trunk_ros.diagnosis.stages.stage import STANDING
 from trunk_ros.effects import effect, registry
 from trunk_ros.effects.curve import Curve
 from trunk_ros.guards import ROUNDED
+from trunk_ros.levels import HALF, PART, SLIGHT, SOME, TOGETHER
 
 SIGNIFICANT = 60.0
 """Gain in squared unit-noise residuals below which chance and small misfits are not ruled out."""

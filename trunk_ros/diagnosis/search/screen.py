@@ -10,7 +10,6 @@ import numpy as np
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.hypothesis import Hypothesis
-from trunk_ros.diagnosis.levels import HALF, NEARLY
 from trunk_ros.diagnosis.search.candidates import Candidate, extended, given, plain_forms, taken
 from trunk_ros.diagnosis.search.credible import unshown
 from trunk_ros.diagnosis.search.followed import directions
@@ -18,9 +17,10 @@ from trunk_ros.diagnosis.search.score import FURTHER, chance, may_be_for_a_time,
 from trunk_ros.diagnosis.search.size import different, merit, reach, scaled, too_large
 from trunk_ros.diagnosis.search.starts import Starts, whens
 from trunk_ros.diagnosis.search.windows import Prices, Reach, Window, best_course, best_window
-from trunk_ros.diagnosis.side_by_side import Seen
+from trunk_ros.diagnosis.stages.side_by_side import Seen
 from trunk_ros.effects import Effect, effect
 from trunk_ros.guards import ROUNDED
+from trunk_ros.levels import HALF, NEARLY
 from trunk_ros.parameter import leading
 
 PROMISED = HALF  # of what a fit gains: a linear look does not see all of it

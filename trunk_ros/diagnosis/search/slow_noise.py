@@ -12,14 +12,13 @@ import numpy as np
 from scipy.optimize import minimize
 
 from trunk_ros.compiled import Array
+from trunk_ros.data.noise import WHITE, Noise, rms
+from trunk_ros.data.surroundings import counted
 from trunk_ros.diagnosis.context import Context
-from trunk_ros.diagnosis.data.noise import WHITE, Noise, rms
-from trunk_ros.diagnosis.data.surroundings import counted
 from trunk_ros.diagnosis.discrepancy.bank_weights import CUTS, FOLDS, WORTHS, Cuts, Source, Sums
 from trunk_ros.diagnosis.discrepancy.curves import curve_fit
 from trunk_ros.diagnosis.discrepancy.memory import sources
 from trunk_ros.diagnosis.hypothesis import Hypothesis
-from trunk_ros.diagnosis.levels import JOINTS, NOTABLE, PART, REFITTED, SOME, SURE, TENFOLD, THREEFOLD
 from trunk_ros.diagnosis.search.candidates import extended, kinds_of_all, open_kinds
 from trunk_ros.diagnosis.search.fit import Fit, costed, refit, refit_column
 from trunk_ros.diagnosis.search.formed import measured
@@ -27,6 +26,7 @@ from trunk_ros.diagnosis.search.of_the_arm import of_the_arm, untimed
 from trunk_ros.diagnosis.search.score import CURVE, FURTHER, need, score
 from trunk_ros.diagnosis.search.screen import PROMISED, Kept, Screen
 from trunk_ros.diagnosis.search.trial import looks, on_all_joints
+from trunk_ros.levels import JOINTS, NOTABLE, PART, REFITTED, SOME, SURE, TENFOLD, THREEFOLD
 from trunk_ros.recording.signal.resample import SLOW
 
 Parts = list[tuple[Array, np.ndarray, np.ndarray]]

@@ -7,9 +7,9 @@ from collections.abc import Hashable, Iterable
 import numpy as np
 
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
-from trunk_ros.diagnosis.levels import SLIGHT
 from trunk_ros.diagnosis.search.fit import Fit
 from trunk_ros.guards import TINY
+from trunk_ros.levels import SLIGHT
 
 State = tuple[Hashable, ...]
 

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from trunk_ros.diagnosis.context import Context
-from trunk_ros.diagnosis.cores import each
 from trunk_ros.diagnosis.hypothesis import Hypothesis
+from trunk_ros.diagnosis.resources.cores import each
 from trunk_ros.diagnosis.search.candidates import Candidate, extended
 from trunk_ros.diagnosis.search.fit import Fit, refit, refit_column
 from trunk_ros.diagnosis.search.score import SIGNIFICANT, priced, prices, score

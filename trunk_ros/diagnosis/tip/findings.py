@@ -7,10 +7,9 @@ from typing import Any
 import numpy as np
 
 from trunk_ros.compiled import Array
-from trunk_ros.diagnosis.data.noise import rms
+from trunk_ros.data.noise import rms
 from trunk_ros.diagnosis.evidence.evidence import UNNAMED, likely
 from trunk_ros.diagnosis.evidence.residual_dependence import accounted
-from trunk_ros.diagnosis.levels import SURE
 from trunk_ros.diagnosis.tip.data import UNITS
 from trunk_ros.diagnosis.tip.stage import ArmFit, ArmProblem
 from trunk_ros.diagnosis.tip.values import NAMELESS, SHIFT, ZERO, Key, of_sensors, owner, parameter_of
@@ -18,6 +17,7 @@ from trunk_ros.diagnosis.verdict.finding import UNKNOWN, Finding, evidence_of
 from trunk_ros.diagnosis.verdict.findings import ARM, statement_of, unchanged, value_of
 from trunk_ros.effects import effect
 from trunk_ros.guards import TINY
+from trunk_ros.levels import SURE
 
 FRAMES = "a camera's frame, a marker's place or a joint sensor's zero makes one"
 EITHER = 0.77  # confidence in a value that may as well be another link's: no equivalent says so

@@ -7,11 +7,10 @@ from typing import Any
 import numpy as np
 
 from trunk_ros.compiled import Array
+from trunk_ros.data.motion_content import APART
+from trunk_ros.data.noise import FLOOR, rms
 from trunk_ros.diagnosis.context import LEAST
-from trunk_ros.diagnosis.data.motion_content import APART
-from trunk_ros.diagnosis.data.noise import FLOOR, rms
 from trunk_ros.diagnosis.evidence.residual_dependence import goes_on
-from trunk_ros.diagnosis.levels import LITTLE
 from trunk_ros.diagnosis.tip.data import UNITS, tip_data
 from trunk_ros.diagnosis.tip.findings import arm_findings, unknown_arm_finding
 from trunk_ros.diagnosis.tip.lasting import lasting_on
@@ -19,6 +18,7 @@ from trunk_ros.diagnosis.tip.stage import ArmFit, ArmProblem
 from trunk_ros.diagnosis.tip.values import model_effects
 from trunk_ros.diagnosis.verdict.finding import Finding
 from trunk_ros.effect_values import Values
+from trunk_ros.levels import LITTLE
 from trunk_ros.model import Model
 from trunk_ros.recording.recording import Recording
 from trunk_ros.recording.signal.resample import SLOW

@@ -12,10 +12,9 @@ from scipy.ndimage import median_filter
 from trunk_ros.arm.body import Body
 from trunk_ros.arm.geometry import changed
 from trunk_ros.compiled import Array
-from trunk_ros.diagnosis.data.noise import alike, noise_of, strides_within
-from trunk_ros.diagnosis.data.sensor_faults import BESIDE, FEW
+from trunk_ros.data.noise import alike, noise_of, strides_within
+from trunk_ros.data.sensor_faults import BESIDE, FEW
 from trunk_ros.diagnosis.evidence.cross_validation import fold_of
-from trunk_ros.diagnosis.levels import ROUGH, SCATTER, TENFOLD, TURNS
 from trunk_ros.diagnosis.search.fit import GAINED
 from trunk_ros.diagnosis.search.score import CURVE, FURTHER, RELEVANT, SIGNIFICANT, naming
 from trunk_ros.diagnosis.tip.data import SIGNALS, UNITS, TipData, signals_of
@@ -39,6 +38,7 @@ from trunk_ros.diagnosis.tip.values import (
 from trunk_ros.effect_values import Values, zeros_in
 from trunk_ros.effects.core import Core
 from trunk_ros.effects.effect import Now
+from trunk_ros.levels import ROUGH, SCATTER, TENFOLD, TURNS
 from trunk_ros.stage import core_of
 
 SMALL = {"m": 1e-5, "rad": 1e-4}  # steps of what has no name

@@ -6,9 +6,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from trunk_ros.diagnosis.levels import PART, SURE, TOGETHER
 from trunk_ros.diagnosis.verdict.finding import Finding
 from trunk_ros.effects import effect, registry
+from trunk_ros.levels import PART, SURE, TOGETHER
 from trunk_ros.parameter import FROM, GROWN, SPELL_NAMES, UNTIL
 
 ARM = "arm"

@@ -8,27 +8,27 @@ from typing import Any
 
 import numpy as np
 
+from trunk_ros.data.noise import is_none
 from trunk_ros.diagnosis.context import Context
-from trunk_ros.diagnosis.data.noise import is_none
 from trunk_ros.diagnosis.evidence.cross_validation import Error
 from trunk_ros.diagnosis.evidence.determined import Determined
 from trunk_ros.diagnosis.evidence.evidence import UNNAMED, Evidence
 from trunk_ros.diagnosis.evidence.residual_dependence import depends_on, rests
 from trunk_ros.diagnosis.evidence.spreads import Spreads
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
-from trunk_ros.diagnosis.levels import HALF, MOST, ROUGH, SLIGHT, SURE
 from trunk_ros.diagnosis.search.formed import but_for_a_zero
-from trunk_ros.diagnosis.stage import Stage
+from trunk_ros.diagnosis.stages.stage import Stage
 from trunk_ros.diagnosis.verdict import bank_words, curve_words
 from trunk_ros.diagnosis.verdict.answer import Unexplained
 from trunk_ros.diagnosis.verdict.finding import UNKNOWN, Finding, evidence_of
 from trunk_ros.diagnosis.verdict.units import as_read, is_open, unit_on
-from trunk_ros.diagnosis.words import significant
 from trunk_ros.effects import Effect, effect
 from trunk_ros.effects.bank import Bank
 from trunk_ros.effects.curve import Curve, words_of
 from trunk_ros.guards import TINY
+from trunk_ros.levels import HALF, MOST, ROUGH, SLIGHT, SURE
 from trunk_ros.parameter import Parameter, leading
+from trunk_ros.words import significant
 
 VARIES_WITH: dict[str, list[str]] = {
     "always": [],

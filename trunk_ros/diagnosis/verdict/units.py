@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from math import floor, log10
 from typing import Any
 
-from trunk_ros.diagnosis.levels import TENFOLD
+from trunk_ros.levels import TENFOLD
 from trunk_ros.parameter import Parameter
 
 SMALL = {"rad": (1e3, "mrad"), "m": (1e3, "mm"), "s": (1e3, "ms")}

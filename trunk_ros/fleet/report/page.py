@@ -13,7 +13,6 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined
 import trunk_ros.diagnosis.report as of_one
 from trunk_ros import __version__
 from trunk_ros.diagnosis.report.units import quantity, spoken
-from trunk_ros.diagnosis.words import listed
 from trunk_ros.effects import effect
 from trunk_ros.fleet.report.spark import spark
 from trunk_ros.fleet.together.common import FEW
@@ -21,6 +20,7 @@ from trunk_ros.fleet.together.correction import ALPHA
 from trunk_ros.fleet.together.judged import LEAST, Judged
 from trunk_ros.fleet.together.series import DAY, Key
 from trunk_ros.fleet.together.summary import Change, Fleet, Trend, date
+from trunk_ros.words import listed
 
 FOLDERS = (Path(__file__).parent, Path(of_one.__file__).parent)
 ROWS = 300  # of a table; the files have all

@@ -12,7 +12,7 @@ import numpy as np
 
 from trunk_ros import __version__
 from trunk_ros.diagnosis.diagnose import diagnose
-from trunk_ros.diagnosis.nominal_servo import Servos
+from trunk_ros.diagnosis.servos.nominal_servo import Servos
 from trunk_ros.diagnosis.verdict.finding import Finding
 from trunk_ros.diagnosis.verdict.result import Diagnosis
 from trunk_ros.errors import TrunkError, one_line

@@ -11,16 +11,16 @@ from typing import Any
 
 import numpy as np
 
-from trunk_ros.diagnosis.data.align import servo_span, wire_span
-from trunk_ros.diagnosis.data.sensor_faults import without_faults
+from trunk_ros.data.align import servo_span, wire_span
+from trunk_ros.data.sensor_faults import without_faults
 from trunk_ros.diagnosis.evidence.spreads import Spreads, spreads
 from trunk_ros.diagnosis.first_look import first_look
-from trunk_ros.diagnosis.nominal_servo import Servos
 from trunk_ros.diagnosis.search.fit import Fit, refit
-from trunk_ros.diagnosis.servo import ServoStage
-from trunk_ros.diagnosis.stage import Stage
+from trunk_ros.diagnosis.servos.nominal_servo import Servos
+from trunk_ros.diagnosis.stages.servo import ServoStage
+from trunk_ros.diagnosis.stages.stage import Stage
+from trunk_ros.diagnosis.stages.wire import WireStage
 from trunk_ros.diagnosis.verdict.units import unit_on
-from trunk_ros.diagnosis.wire import WireStage
 from trunk_ros.effects import effect
 from trunk_ros.fleet.inputs.files import here
 from trunk_ros.fleet.run.examine import Files, told, travel

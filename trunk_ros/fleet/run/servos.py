@@ -14,11 +14,11 @@ from pathlib import Path
 from typing import Any
 
 from trunk_ros.arm.arm import SERVO_OF_EACH
-from trunk_ros.diagnosis.against import SERVO
-from trunk_ros.diagnosis.data.described import described
-from trunk_ros.diagnosis.data.put_right import put_right
+from trunk_ros.data.put_right import put_right
+from trunk_ros.diagnosis.described import described
 from trunk_ros.diagnosis.diagnoser import Diagnoser
-from trunk_ros.diagnosis.nominal_servo import Servos
+from trunk_ros.diagnosis.servos.nominal_servo import Servos
+from trunk_ros.diagnosis.simulators.against import SERVO
 from trunk_ros.errors import TrunkError
 from trunk_ros.fleet.inputs.files import here
 from trunk_ros.fleet.inputs.listing import Job

@@ -7,14 +7,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from trunk_ros.compiled import Array
-from trunk_ros.diagnosis.data.noise import noise_of
+from trunk_ros.data.noise import noise_of
 from trunk_ros.diagnosis.verdict.units import sized
-from trunk_ros.diagnosis.words import significant
 from trunk_ros.fleet.watch.detector import Detector
 from trunk_ros.fleet.watch.looks import GLITCH, Alarm, Usual, in_words, names
 from trunk_ros.fleet.watch.regimes import REGIMES, SCATTER, Motion
 from trunk_ros.fleet.watch.streams import Piece, Stage
 from trunk_ros.model import Model
+from trunk_ros.words import significant
 
 WEEK = 604_800.0  # s
 LOOK = 0.5  # s between two looks

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 
-from trunk_ros.commands.arguments import Parser, add_namespace
+from trunk_ros.console.arguments import Parser, add_namespace
 
 NODES = ("wire_elasticity",)  # that can be run over a bag
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 
-from trunk_ros.commands.arguments import Parser
+from trunk_ros.console.arguments import Parser
 
 PARTS = ("servo_driver", "wire_elasticity", "compensator", "recorder")
 TRAJECTORIES = (

@@ -7,9 +7,8 @@ from functools import partial
 from itertools import chain
 from typing import NamedTuple
 
-from trunk_ros.diagnosis.cores import each
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
-from trunk_ros.diagnosis.levels import MOST, REFITTED, SOME
+from trunk_ros.diagnosis.resources.cores import each
 from trunk_ros.diagnosis.search.candidates import (
     Candidate,
     breaking_kinds,
@@ -34,6 +33,7 @@ from trunk_ros.diagnosis.search.screen import Kept, Screen
 from trunk_ros.diagnosis.search.state import exactly
 from trunk_ros.diagnosis.search.trial import column_trials, may_win, on_all_joints, refit_to_win
 from trunk_ros.effects import Effect, effect
+from trunk_ros.levels import MOST, REFITTED, SOME
 
 
 class Tried(NamedTuple):

@@ -8,12 +8,12 @@ from collections.abc import Iterator
 from dataclasses import replace
 from functools import partial
 
-from trunk_ros.diagnosis.levels import SEVERAL
 from trunk_ros.diagnosis.search.candidates import own_effects
 from trunk_ros.diagnosis.search.descent import Desk, Group, Move
 from trunk_ros.diagnosis.search.fit import Fit
 from trunk_ros.diagnosis.search.trial import refit_column_to_win
 from trunk_ros.effects import effect
+from trunk_ros.levels import SEVERAL
 
 
 def groups(best: Fit, desk: Desk) -> Iterator[Group]:

@@ -11,7 +11,6 @@ from functools import partial
 import numpy as np
 
 from trunk_ros.diagnosis.discrepancy.curves import curve_fit, drawn_on, promised
-from trunk_ros.diagnosis.levels import LITTLE, SEVERAL
 from trunk_ros.diagnosis.search.candidates import OWN, own_effects
 from trunk_ros.diagnosis.search.credible import hidden
 from trunk_ros.diagnosis.search.descent import LARGE, Desk, Group, Move
@@ -23,6 +22,7 @@ from trunk_ros.diagnosis.search.state import state_of
 from trunk_ros.effects import effect
 from trunk_ros.effects.bank import Bank
 from trunk_ros.effects.curve import ON
+from trunk_ros.levels import LITTLE, SEVERAL
 
 
 def groups(best: Fit, desk: Desk) -> Iterator[Group]:

@@ -8,11 +8,11 @@ from collections.abc import Iterator
 from functools import cached_property, partial
 
 from trunk_ros.diagnosis.hypothesis import Hypothesis
-from trunk_ros.diagnosis.levels import SEVERAL
 from trunk_ros.diagnosis.search.descent import Desk, Group, Move
 from trunk_ros.diagnosis.search.fit import Fit, change, refit_column
 from trunk_ros.diagnosis.search.state import structure_of
 from trunk_ros.effects import effect
+from trunk_ros.levels import SEVERAL
 
 
 class Alike:

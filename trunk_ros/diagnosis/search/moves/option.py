@@ -6,7 +6,6 @@ from collections.abc import Iterator
 from functools import partial
 
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
-from trunk_ros.diagnosis.levels import HALF, REFITTED
 from trunk_ros.diagnosis.search.candidates import extended, given, shown_forms
 from trunk_ros.diagnosis.search.descent import Desk, Group, Move
 from trunk_ros.diagnosis.search.fit import Fit, refit
@@ -14,6 +13,7 @@ from trunk_ros.diagnosis.search.score import score
 from trunk_ros.diagnosis.search.screen import PROMISED, Screen
 from trunk_ros.diagnosis.search.trial import may_win, refit_to_win
 from trunk_ros.effects import effect
+from trunk_ros.levels import HALF, REFITTED
 from trunk_ros.parameter import Parameter
 
 SIZES = (0.4, 1.6)  # of the usual value

@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterator
 from functools import partial
 
-from trunk_ros.diagnosis.levels import REFITTED
 from trunk_ros.diagnosis.search.candidates import own_effects
 from trunk_ros.diagnosis.search.descent import Desk, Group, Move
 from trunk_ros.diagnosis.search.fit import Fit, refit_column
 from trunk_ros.diagnosis.search.moves.add import trials
 from trunk_ros.diagnosis.search.score import beats, score
+from trunk_ros.levels import REFITTED
 
 
 def groups(best: Fit, desk: Desk) -> Iterator[Group]:

@@ -6,12 +6,12 @@ from collections.abc import Iterator
 from functools import partial
 
 from trunk_ros.diagnosis.hypothesis import Hypothesis
-from trunk_ros.diagnosis.levels import REFITTED
 from trunk_ros.diagnosis.search.candidates import extended, open_kinds
 from trunk_ros.diagnosis.search.descent import Desk, Group, Move
 from trunk_ros.diagnosis.search.fit import Fit, refit_column
 from trunk_ros.diagnosis.search.screen import Screen
 from trunk_ros.effects import effect
+from trunk_ros.levels import REFITTED
 
 
 def groups(best: Fit, desk: Desk) -> Iterator[Group]:

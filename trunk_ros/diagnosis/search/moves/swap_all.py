@@ -10,7 +10,6 @@ import numpy as np
 
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
-from trunk_ros.diagnosis.levels import REFITTED, SEVERAL
 from trunk_ros.diagnosis.search.candidates import extended, kinds_of_all, open_kinds, replaced, taken
 from trunk_ros.diagnosis.search.credible import hidden
 from trunk_ros.diagnosis.search.descent import Desk, Group, Move, descend_with, only
@@ -26,6 +25,7 @@ from trunk_ros.diagnosis.search.screen import PROMISED, Screen
 from trunk_ros.diagnosis.search.state import exactly
 from trunk_ros.diagnosis.search.trial import column_trials, refit_to_win
 from trunk_ros.effects import Effect, effect
+from trunk_ros.levels import REFITTED, SEVERAL
 
 
 def groups(best: Fit, desk: Desk) -> Iterator[Group]:

@@ -7,7 +7,6 @@ from __future__ import annotations
 from collections.abc import Iterator
 from functools import partial
 
-from trunk_ros.diagnosis.levels import SEVERAL
 from trunk_ros.diagnosis.search.candidates import local_kinds, shown_forms
 from trunk_ros.diagnosis.search.credible import unshown
 from trunk_ros.diagnosis.search.descent import Desk, Group, Move, descend_with
@@ -16,6 +15,7 @@ from trunk_ros.diagnosis.search.moves.drop import DROP
 from trunk_ros.diagnosis.search.score import score
 from trunk_ros.diagnosis.search.trial import begun_on
 from trunk_ros.effects import Effect, confused, effect
+from trunk_ros.levels import SEVERAL
 
 
 def groups(best: Fit, desk: Desk) -> Iterator[Group]:

@@ -1,0 +1,1 @@
+"""What all commands and nodes ask for and say on the command line."""

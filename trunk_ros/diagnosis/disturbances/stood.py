@@ -1,0 +1,115 @@
+"""Where a joint lies as its recording begins: by what its sensor reads while its motor stands."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from trunk_ros.compiled import Array, compiled
+from trunk_ros.data.motion_content import STANDS
+from trunk_ros.effects.core import Core
+from trunk_ros.effects.effect import Now
+from trunk_ros.effects.wire.play import SharpPlay
+from trunk_ros.levels import TURNS
+from trunk_ros.stage import Memory, Order, State, adjusted, through
+
+
+class Read(NamedTuple):
+    """What a joint's sensor reads (k,) while its motor stands: until each of some moments, and since the one
+    before.
+    """
+
+    until: Array
+    since: Array
+
+    @staticmethod
+    def of(told: Array, until: np.ndarray, since: np.ndarray) -> Read:
+        """Of readings ``told`` (n,), so many ``until`` each moment, and ``since`` the one before, (k,)."""
+        return Read(
+            np.array([np.median(told[:count]) for count in until]),
+            np.array([np.median(told[a:b]) for a, b in zip(since, until, strict=True)]),
+        )
+
+
+def begun(seen: Now, order: Order, width: Array, read: Read, rows: list[int] | slice) -> State:
+    """The state in which the friction element shows what was measured, as far as its play lets it, while
+    nothing had moved what comes to it; of a sharp play as long as that holds the joint. ``seen``: the
+    surroundings while the motor stood, of which ``rows`` (k,) count: what swings is computed at each step.
+    """
+    core, memory = Core(nominal_width=width, width=width), Memory()
+    adjusted(core, order, seen, {}, memory)
+    u = through(seen.gearbox * seen.ratio, order.path, seen, {}, memory) + core.middle
+    element = core.rounding or SharpPlay()
+    moved, _ = element.run(u, core.width, None)
+    true = through(moved, order.after, seen, {}, memory)
+    shown = through(true, order.sensor, seen, {}, memory)
+    wide = core.width[rows] if len(core.width) > 1 else core.width
+    off = np.empty(u.shape[1])
+    _lies(_c(u[rows]), _c(wide), _c(moved[rows]), _c(shown[rows]), *read, core.rounding is None, off)
+    _, stuck = element.run(np.stack([u[0] + off, u[0]]), core.width[:1], None)
+    return State(float(seen.stamp[0]), seen.gearbox[0], true[0], {}, stuck)
+
+
+def _c(signal: Array) -> Array:
+    """A signal (k, columns) as what is compiled for one order in memory takes it."""
+    return np.ascontiguousarray(signal)
+
+
+@compiled
+def _lies(
+    u: Array, width: Array, moved: Array, shown: Array, until: Array, since: Array, sharp: bool, off: Array
+) -> None:
+    """How far ``off`` (columns,) rad joints lie from where their plays, of half-width ``width`` (1 or k,
+    columns), begin: what comes to a play is ``u`` (k, columns) rad, and makes it show ``shown`` where it has
+    ``moved`` to. What was read is (k,).
+    """
+    some = np.empty(len(u))
+    for j in range(u.shape[1]):
+        last = 0
+        while last + 1 < len(u) and abs(u[last + 1, j] - u[0, j]) < STANDS:
+            last += 1
+        first = min(last, 1)
+        for k in range(first, last + 1):
+            some[k - first] = shown[k, j]
+        off[j] = until[last] - _middle(some, last + 1 - first)
+        if sharp:
+            off[j] = _while_held(u[:, j], width[:, j], moved[:, j], shown[:, j], since, off[j], some)
+
+
+@compiled
+def _while_held(
+    u: Array, width: Array, moved: Array, shown: Array, read: Array, off: float, some: Array
+) -> float:
+    """How far [rad] a joint lies off where its play began, by what is ``read`` (k,) as long as that play
+    holds it there, whatever has moved by then. Where the play lets go of it at once, as far ``off`` as it
+    was.
+    """
+    before = 0
+    for _ in range(TURNS):
+        count = 0
+        while count < len(u) and abs(u[count] - u[0] - off) <= width[min(count, len(width) - 1)]:
+            count += 1
+        count = max(count - 1, 0)
+        if count == before:
+            break
+        for k in range(count):
+            hidden = moved[k] - shown[k] + moved[k + 1] - shown[k + 1]
+            some[k] = read[k + 1] - u[0] + hidden / 2.0
+        if count:
+            off = _middle(some, count)
+        before = count
+    return off
+
+
+@compiled
+def _middle(values: Array, count: int) -> float:
+    """The median of the first of ``values`` (n,), which it sorts: they are few."""
+    for k in range(1, count):
+        here, i = values[k], k
+        while i and values[i - 1] > here:
+            values[i] = values[i - 1]
+            i -= 1
+        values[i] = here
+    half = count // 2
+    return float(values[half] if count % 2 else (values[half - 1] + values[half]) / 2.0)

@@ -1,0 +1,1 @@
+"""How much a diagnosis may simulate, keep and use of the machine."""

@@ -1,0 +1,1 @@
+"""What recordings say of the nominal servos before anything is searched."""

@@ -1,0 +1,112 @@
+"""What a model that describes its servos leaves open: whether recorded setpoints are samples of what moves on
+between them, and how fast the loops run.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from itertools import product
+
+import numpy as np
+
+from trunk_ros.arm.arm import STEP
+from trunk_ros.arm_model import SAMPLED
+from trunk_ros.compiled import Array
+from trunk_ros.diagnosis.context import Context
+from trunk_ros.diagnosis.search.formed import but_for_a_lag
+from trunk_ros.diagnosis.servos.nominal_servo import METHODS, moved, numbers_of_each, period
+from trunk_ros.diagnosis.servos.servo_loop import STEPS, TOP_SPEED, Loop, fastest_of, is_explained, numbers_of
+from trunk_ros.levels import CLEARLY
+from trunk_ros.model import Model
+from trunk_ros.recording.recording import Recording
+
+
+def as_it_runs(model: Model, recordings: Sequence[Recording]) -> Model:
+    """A model that says its servos, with setpoints and steps as the recordings have them."""
+    return with_its_step(with_its_setpoints(model, recordings), recordings)
+
+
+def with_its_setpoints(model: Model, recordings: Sequence[Recording]) -> Model:
+    """A model that says its servos, with setpoints that are samples of what moves on between them, where it
+    does not say what they are and loops that effects can make of its own are then clearly nearer to the
+    shafts: samples look like servos that are quicker than told, by half of the time between two of them.
+    """
+    if model.setpoints_stated or model.setpoints == SAMPLED:
+        return model
+    if not any(_leads(*seen, model, recordings) for seen in moved(model, recordings)):
+        return model
+    sampled = replace(model, setpoints=SAMPLED)
+    left, less = (_left(each, recordings) for each in (model, sampled))
+    return sampled if CLEARLY * less < left else model
+
+
+def with_its_step(model: Model, recordings: Sequence[Recording]) -> Model:
+    """A model that says its servos, with loops that run faster than the reference's, where those that effects
+    can make of its own are then clearly nearer to the shafts.
+    """
+    if model.arm.step != STEP or _explains(model, recordings):
+        return model
+    endless = replace(model, arm=replace(model.arm, step=0.0))
+    both = zip(moved(model, recordings), moved(endless, recordings), strict=True)
+    step = STEP * (1.0 - float(np.median([_nearer(*one, other, model) for one, (other, _, _) in both])))
+    stepped = replace(model, arm=replace(model.arm, step=step))
+    left, less = (_left(each, recordings) for each in (model, stepped))
+    return stepped if CLEARLY * less < left else model
+
+
+def _explains(model: Model, recordings: Sequence[Recording]) -> bool:
+    """Whether each servo goes as the model says."""
+    numbers = numbers_of_each(model.arm)
+    for context, column, joint in moved(model, recordings):
+        loop = Loop.of(context, column)
+        if not is_explained(loop, loop.left(numbers[:, joint])):
+            return False
+    return True
+
+
+def _leads(context: Context, column: int, joint: int, model: Model, recordings: Sequence[Recording]) -> bool:
+    """Whether a shaft is ahead of the model's loop by a fourth of the time between two setpoints or more, as
+    far as another gain does not say so: held setpoints come half of it late. A linear look, which is cheap.
+    """
+    loop, told = Loop.of(context, column), numbers_of_each(model.arm)[:, joint]
+    rest = but_for_a_lag(context, column, loop.residual(told))
+    if is_explained(loop, float(rest @ rest)):
+        return False
+    return bool(_steps(loop, told, [])[1] < -period(recordings) / 4.0)
+
+
+def _nearer(context: Context, column: int, joint: int, other: Context, model: Model) -> float:
+    """How much of the way to what ``other`` predicts leaves least, beside another gain and delay: linear."""
+    loop, told = Loop.of(context, column), numbers_of_each(model.arm)[:, joint]
+    there = replace(loop, context=other).residual(told)
+    return float(np.clip(_steps(loop, told, [there])[2], 0.0, 1.0))
+
+
+def _steps(loop: Loop, told: Array, others: Sequence[Array]) -> Array:
+    """How far a loop's gain (logarithm) and delay [s] are from what it is told, and how much of the way it is
+    to ``others`` that are whitened likewise.
+    """
+    at, tau_v = loop.at(told), float(told[1])
+    base = loop.residual(numbers_of(at, tau_v))
+    gain, late = (loop.residual(numbers_of(at + np.diag(STEPS)[k], tau_v)) - base for k in (0, 3))
+    ways = np.column_stack([gain / STEPS[0], late / STEPS[3], *(other - base for other in others)])
+    return np.asarray(np.linalg.lstsq(ways, -base, rcond=None)[0])
+
+
+def _left(model: Model, recordings: Sequence[Recording]) -> float:
+    """What loops like those of a model leave, rms [rad], of other gains, delays and top speeds, as effects
+    make them.
+    """
+    numbers, squares = numbers_of_each(model.arm), 0.0
+    for context, column, joint in moved(model, recordings):
+        loop, told = Loop.of(context, column), numbers[:, joint]
+        rest = but_for_a_lag(context, column, loop.residual(told))
+        cost = float(rest @ rest)
+        if not is_explained(loop, cost):
+            tau_v, share = float(told[1]), None if told[-1] else -1
+            for top, method in product((told[TOP_SPEED][0], fastest_of(context, column)), METHODS):
+                start = loop.at(np.where(TOP_SPEED, top, told))[:share]
+                cost = min(cost, loop.left(numbers_of(loop.fitted(start, method, tau_v).x, tau_v)))
+        squares += cost * context.noise[column].std ** 2 / context.count(column)
+    return float(np.sqrt(squares))

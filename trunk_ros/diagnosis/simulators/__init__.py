@@ -1,0 +1,1 @@
+"""Another simulator in the place of the nominal model."""
