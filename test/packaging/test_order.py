@@ -10,7 +10,7 @@ from test.packaging.imports import ROOT, imported, modules
 from trunk_ros.effects import registry
 
 IDS = set(registry())
-WITHOUT_NAMES = [*modules("trunk_ros/diagnosis"), *modules("trunk_ros/nodes")]
+WITHOUT_NAMES = [m for room in ("data", "diagnosis", "nodes") for m in modules(f"trunk_ros/{room}")]
 
 
 def name_of(path: Path) -> str:
