@@ -11,7 +11,7 @@ from trunk_ros.diagnosis.evidence.determined import AtBound, Determined, Place, 
 from trunk_ros.diagnosis.evidence.evidence import UNNAMED
 from trunk_ros.diagnosis.first_look import first_look
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
-from trunk_ros.diagnosis.search.fit import refit
+from trunk_ros.diagnosis.search.fit import costed, refit
 from trunk_ros.diagnosis.stages.wire import WireStage
 from trunk_ros.diagnosis.verdict.findings import believable
 from trunk_ros.effects import effect
@@ -55,6 +55,18 @@ def test_a_value_that_the_data_push_against_its_bound_is_said_to_be_there() -> N
     assert beyond.at_bound == [AtBound(Place("ratio_error", "relative", joint), "upper", 100.0, "1")]
     inside, _ = told(hidden=97.0, start=99.0)
     assert inside.at_bound == []
+
+
+@pytest.mark.parametrize("until", [9.9, 10.1])
+def test_a_moment_within_the_recording_is_at_no_bound_though_it_may_be_any_of_a_million_seconds(
+    until: float,
+) -> None:
+    """A page had said of an end at 43 s that the data ask for more than its bound, 0 s."""
+    made = recorded({"ratio_error": {"relative": on(2, 0.02), "until": on(2, 10.0)}}, 20.0)
+    model = load_model("trunk").for_joints(made.joints)
+    context = first_look(WireStage([wire_span(made, model)], model, made.units))
+    term = Term("ratio_error", own={1: {"relative": 0.02, "until": until}})
+    assert determined(costed(context, Hypothesis({"ratio_error": term}))).at_bound == []
 
 
 @pytest.mark.parametrize(

@@ -73,7 +73,7 @@ def determined(state: Fit) -> Determined:
             x = np.clip(state.hypothesis.free_values(residuals.free), *bounds(residuals.free))
             slope, normal = residuals.normal(x)
             correlations += _tied(state.context, residuals.free, normal)
-            at_bound += _at_bound(state.context, residuals.free, x, slope)
+            at_bound += _at_bound(state.context, residuals, x, slope)
     return Determined(sorted(correlations, key=lambda c: -abs(c.value)), at_bound)
 
 
@@ -103,12 +103,12 @@ def _tied(context: Context, free: list[Free], normal: Array) -> list[Correlation
     ]
 
 
-def _at_bound(context: Context, free: list[Free], x: Array, slope: Array) -> list[AtBound]:
+def _at_bound(context: Context, residuals: Residuals, x: Array, slope: Array) -> list[AtBound]:
     """Values at a bound; those at the value that means "no effect" are where they belong."""
-    low, high = bounds(free)
+    low, high = bounds(residuals.free)
     out = []
-    for k, f in enumerate(free):
-        near = ROUGH * (high[k] - low[k])
+    for k, f in enumerate(residuals.free):
+        near = ROUGH * residuals.scale[k]  # not of the range: a moment may be any up to a million seconds
         share = f.parameter.unit == "1" and f.parameter.bounds == (0.0, 1.0)  # all is no more than possible
         if issubclass(effect(f.effect), (Bank, Curve)) or share or f.parameter.periodic:
             continue
