@@ -84,16 +84,20 @@ def test_more_than_two_effects_are_counted_in_the_heading_and_listed_below(found
     assert all(f"<b>{name}</b>" in page for name in ("backlash", "ratio error", "cogging"))
 
 
-def test_the_heading_tells_what_could_be_another_and_what_is_a_guess(found: Diagnosis) -> None:
+@pytest.mark.parametrize("sure", [0.04, 0.5])
+def test_the_heading_tells_what_could_be_another_and_what_is_a_guess(found: Diagnosis, sure: float) -> None:
+    """A half is what a finding is capped at whose size is no larger than its error: 0.8 ± 4 mrad."""
     others = [replace(found.findings[0], effect=name) for name in ("backlash", "ratio_error", "cogging")]
-    doubts = [replace(others[0], confidence=0.04), replace(others[1], equivalents=["cogging"]), others[2]]
+    doubts = [replace(others[0], confidence=sure), replace(others[1], equivalents=["cogging"]), others[2]]
     page = render(replace(found, findings=doubts))
     assert (
         "simulation; 1 of them could also be another effect and 1 of them is no more than a guess.</h1>"
         in page
     )
     page = render(replace(found, findings=doubts[:2]))
-    assert re.search(r"simulation: ratio error or cogging \(.*\) and perhaps backlash \(joint_3, 4%\)", page)
+    assert re.search(
+        rf"simulation: ratio error or cogging \(.*\) and perhaps backlash \(joint_3, {sure:.0%}\)", page
+    )
 
 
 def test_nothing_missing_is_said_only_of_what_was_judged() -> None:

@@ -121,3 +121,13 @@ def test_the_verdict_draws_it_over_both_joints() -> None:
     assert drawn["y"][3, 5] == pytest.approx(float((UnknownSurface.shapes(at, low, high) @ weights)[0]))
     assert bank_words.varies_with(term) == ["a", "b"]
     assert "surface" in bank_words.statement(UnknownSurface, term, "a")
+
+
+def test_a_sum_or_difference_that_joints_name_the_other_way_round_is_told_once() -> None:
+    """A page had listed joint_2+joint_3 and joint_3+joint_2 as two things that a differential depends on."""
+    words = {
+        0: {"source": "a+b", "source_2": "a-b"},
+        1: {"source": "b+a", "source_2": "b-a", "source_3": "b"},
+    }
+    term = Term("unknown_memory", own={0: {}, 1: {}}, words=words)
+    assert bank_words.varies_with(term) == ["a+b", "a-b", "b"]

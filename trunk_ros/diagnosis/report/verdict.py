@@ -11,7 +11,7 @@ from trunk_ros.diagnosis.verdict.finding import Finding
 from trunk_ros.words import listed
 
 FEW = 2  # findings that a sentence can hold
-LIKELY = 0.5  # confidence: below it a finding is a guess, and called one
+LIKELY = 0.5  # confidence: of more a finding is likely; what is capped at a half for its size is a guess
 
 
 def headline(result: Answer) -> str:
@@ -37,7 +37,7 @@ def headline(result: Answer) -> str:
 def _doubts(result: Answer) -> str:
     """How many of what is counted could be something else, or nothing."""
     open_ = sum(bool(f.equivalents) for f in result.findings)
-    guessed = sum(f.confidence < LIKELY for f in result.findings)
+    guessed = sum(f.confidence <= LIKELY for f in result.findings)
     told = [f"{open_} of them could also be another effect"] if open_ else []
     told += [f"{guessed} of them {'is' if guessed == 1 else 'are'} no more than a guess"] if guessed else []
     return f"; {' and '.join(told)}" if told else ""
@@ -86,12 +86,12 @@ def _no_mismatch(result: Answer) -> str:
 def _told(result: Answer, excess: bool) -> list[str]:
     """What is missing, or too much: the likely ones first, in the order of the table."""
     some = [f for f in result.findings if is_excess(f) == excess]
-    ranked = sorted(some, key=lambda f: f.confidence < LIKELY)
+    ranked = sorted(some, key=lambda f: f.confidence <= LIKELY)
     return [_unnamed(result, f) if not f.named else _named(result, f) for f in ranked]
 
 
 def _named(result: Answer, finding: Finding) -> str:
-    much = "perhaps " if finding.confidence < LIKELY else ""
+    much = "perhaps " if finding.confidence <= LIKELY else ""
     names = [f"({spoken(name)})" if " + " in name else spoken(name) for name in finding.candidates]
     either = "either " if len(names) > 2 else ""  # beside other findings, which are listed with commas too
     place = _place(result, finding.stage, finding.joints)

@@ -20,9 +20,16 @@ def sources_of(term: Term, column: int) -> list[str]:
 
 
 def varies_with(term: Term) -> list[str]:
-    """All motions that the banks of a term are of."""
+    """All motions that the banks of a term are of, each once: the bank of another joint may have a sum or a
+    difference the other way round.
+    """
     words = (word for column in term.columns for word in sources_of(term, column))
-    return sorted({motion for word in words for motion in joints_of(word)})
+    kept: list[str] = []
+    for motion in sorted({motion for word in words for motion in joints_of(word)}):
+        turned = [motion[k + 1 :] + sign + motion[:k] for k, sign in enumerate(motion) if sign in "+-"]
+        if not set(turned).intersection(kept):
+            kept.append(motion)
+    return kept
 
 
 def statement(kind: type[Bank], term: Term, where: str) -> str:
