@@ -77,12 +77,17 @@ def _times(finding: Finding, owner: str, what: str, number: int) -> Times:
     onset = next((p.name for p in kind.parameters if p.moment and p.name in values), None)
     if onset and not number and not what:
         names[BEGINS] = onset
-    if what and what.rstrip("_") not in values:
+    if what and not _there(values.get(what.rstrip("_"))):
         return {}
     found = {
         name: (values[said]["value"], values[said]["std"]) for name, said in names.items() if said in values
     }
     return found if found.keys() - {SIZE} else {}
+
+
+def _there(held: dict[str, Any] | None) -> bool:
+    """Whether something is carried at all: of what may weigh nothing no event is told."""
+    return held is not None and bool(abs(held["value"]) > SURE * (held["std"] or 0.0))
 
 
 def _together(by_joint: dict[str, Times]) -> list[list[str]]:
