@@ -6,7 +6,8 @@ from scipy.signal import lfilter
 
 from test.diagnosis.arms import diagnose
 from trunk_ros.chain import Chain
-from trunk_ros.data.noise import Noise, noise_of, off_by_chance, roughness_of
+from trunk_ros.data.noise import STRIDES, Noise, differences_of, noise_of, off_by_chance, roughness_of
+from trunk_ros.data.noises import Rest, noises
 from trunk_ros.evaluate.score import score
 from trunk_ros.evaluate.signals import Signal
 from trunk_ros.evaluate.source import Prediction
@@ -35,6 +36,24 @@ def test_rare_jumps_do_not_raise_the_floor() -> None:
     jumps[::500] = 0.01
     found = noise_of([coloured(0.0) + np.cumsum(jumps)], [EVERYWHERE])
     assert found.std == pytest.approx(1e-4, rel=0.05)
+
+
+def test_what_rings_gives_noise_no_colour() -> None:
+    """A link at 16 Hz after each step, at 250 Hz; differences of red and of 1/f noise never shrink."""
+    rng, n = np.random.default_rng(7), 15_000
+    white = 2.5e-4 * rng.standard_normal(n)
+    knocks = np.zeros(n)
+    knocks[::250] = 5e-3
+    turn = 2.0 * np.pi * 16.0 / 250.0
+    ringing = lfilter([1.0], [1.0, -2.0 * 0.99 * np.cos(turn), 0.99**2], knocks)
+    red = lfilter([np.sqrt(1.0 - 0.9**2)], [1.0, -0.9], white)
+    wandering = np.fft.irfft(np.fft.rfft(white) / np.sqrt(np.maximum(np.arange(n // 2 + 1), 1.0)))
+    seen = [
+        differences_of([x], [np.ones(n, bool)], STRIDES[-1]) for x in (white, white + ringing, red, wandering)
+    ]
+    assert [each.swings for each in seen] == [False, True, False, False]
+    rests = [Rest([white + ringing], [np.ones(n, bool)], STRIDES[-1], 0.0, True) for _ in range(3)]
+    assert [each.std for each in noises(rests)] == pytest.approx([2.5e-4] * 3, rel=0.3)
 
 
 def test_whitened_noise_has_unit_variance_and_no_memory() -> None:

@@ -108,6 +108,17 @@ class Differences:
     strides: tuple[int, ...]
     spread: Array
     white: float = 0.0
+    count: int = 0
+    """How many there are at the shortest stride."""
+
+    @property
+    def swings(self) -> bool:
+        """Whether they shrink somewhere as the stride grows: those of noise never do, and what rings goes on
+        for longer than its noise can be told from it.
+        """
+        power = self.spread**2
+        off = np.array([off_by_chance(self.count // stride) for stride in self.strides])
+        return bool(((power * (1.0 + off))[1:] < (power * (1.0 - off))[:-1]).any())
 
     @property
     def correlation(self) -> float:
@@ -167,8 +178,9 @@ def differences_of(
     """
     strides = tuple(s for s in STRIDES if s <= longest)
     spread = np.array([_robust(residuals, masks, s) for s in strides])
-    known = int(np.argmin(spread > FLOOR)) if (spread <= FLOOR).any() else len(strides)
-    return Differences(strides[: max(known, 1)], np.maximum(spread[: max(known, 1)], FLOOR), white)
+    known = max(int(np.argmin(spread > FLOOR)) if (spread <= FLOOR).any() else len(strides), 1)
+    count = sum(int(mask.sum()) for mask in masks)
+    return Differences(strides[:known], np.maximum(spread[:known], FLOOR), white, count)
 
 
 def strides_within(step: float) -> int:

@@ -34,7 +34,8 @@ def noises(rests: Sequence[Rest], visits: Sequence[np.ndarray] = ()) -> list[Noi
     the next where stops are far apart.
     """
     seen = [differences_of(rest.residuals, rest.masks, rest.longest, rest.steps) for rest in rests]
-    told = [s.correlation for s, rest in zip(seen, rests, strict=True) if len(s.strides) > 1 and rest.enough]
+    several = [s for s, rest in zip(seen, rests, strict=True) if len(s.strides) > 1 and rest.enough]
+    told = [s.correlation for s in several if not s.swings]
     colour = float(np.quantile(told, PLAIN)) if told else 0.0
     found = [s.noise(colour if len(s.strides) > 1 else 0.0) for s in seen]
     if not visits:
