@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import tracemalloc
 from dataclasses import replace
 
 import numpy as np
@@ -9,7 +10,7 @@ import pytest
 
 from trunk_ros.compiled import Array
 from trunk_ros.effects.now import Now
-from trunk_ros.effects.periods import periods
+from trunk_ros.effects.periods import FINER, _lines, periods
 from trunk_ros.effects.wire.transmission_ripple import TransmissionRipple
 
 STATIONS = np.linspace(-3.5, 3.5, 13)  # as far apart as those of a published cable robot
@@ -20,6 +21,25 @@ NYQUIST = np.pi / (STATIONS[1] - STATIONS[0])
 def lines(x: Array, cycles: float) -> tuple[float, ...]:
     noise = np.random.default_rng(0).normal(size=len(x))
     return periods(x, np.sin(cycles * x) + 0.1 * noise, 0.9, 120.0)
+
+
+def test_lines_are_those_of_a_padded_transform() -> None:
+    sums = np.random.default_rng(2).normal(size=317)
+    padded = np.abs(np.fft.rfft(sums, FINER * len(sums)))
+    np.testing.assert_allclose(_lines(sums, len(sums), 700), padded[:700], rtol=1e-12, atol=1e-12)
+
+
+def test_long_times_take_hardly_more_memory_than_their_cells() -> None:
+    blocks = np.array([0.0, 211.3, 1911.9, 2571.1, 5249.7, 6611.3]).repeat(5000)
+    stamp = blocks + 0.01 * np.arange(30_000)
+    rest = np.sin(2.0 * np.pi * 3.21 * stamp) + np.random.default_rng(3).normal(size=len(stamp))
+    tracemalloc.start()
+    (found, *_) = periods(stamp, rest, 1.0, 2.0 * np.pi * 25.0)
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert found == pytest.approx(2.0 * np.pi * 3.21, rel=1e-3)
+    cells = 8 * 25.0 * float(np.ptp(stamp))
+    assert peak < 8 * np.dtype(float).itemsize * cells  # all lines at once: twice that
 
 
 @pytest.mark.parametrize("off", [0.0, 1e-3])  # what drives stop beside their stations

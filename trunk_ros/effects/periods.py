@@ -1,6 +1,7 @@
 """Where a residual swings periodically over something."""
 
 import numpy as np
+from scipy.fft import fft, next_fast_len
 
 from trunk_ros.compiled import Array
 from trunk_ros.cubic import cubic
@@ -46,25 +47,50 @@ def periods(x: Array, rest: Array, low: float, high: float, most: int = 3) -> tu
         return ()
     some = slice(None, None, max(len(x) // ENOUGH, 1))
     place = ((x - x.min()) / cell).astype(int)
+    many = _together(int(place.max()) + 1)
+    turn = 2 * np.pi / (FINER * many * cell)
+    high = min(high, turn * _folds_at(place, many, int(np.ceil(2.0 * high / turn))))
     sums = np.bincount(place, weights=rest - cubic(x[some], rest[some], x))
-    turn = 2 * np.pi / (FINER * len(sums) * cell)
-    high = min(high, turn * _folds_at(place))
-    power = np.abs(np.fft.rfft(sums, FINER * len(sums)))
-    power[: int(low / turn + SAME) + 1] = power[int(np.ceil(high / turn - SAME)) :] = 0.0
+    power = np.zeros(int(np.ceil(high / turn - SAME)) + 2)
+    power[:-2] = _lines(sums, many, len(power) - 2)
+    power[: int(low / turn + SAME) + 1] = 0.0
     peaks = 1 + np.flatnonzero((power[1:-1] >= power[:-2]) & (power[1:-1] > power[2:]))
     return tuple((turn * peaks[np.argsort(-power[peaks])][:most]).tolist())
 
 
-def _folds_at(place: np.ndarray) -> float:
+def _together(cells: int) -> int:
+    """How many cells a spectrum is taken of: of long recordings as many as take no further memory."""
+    return cells if cells <= ENOUGH else int(next_fast_len(cells))
+
+
+def _lines(sums: Array | np.ndarray, many: int, most: int) -> Array:
+    """The first ``most`` lines of a spectrum of ``many`` cells in FINER steps each, of ``sums`` (n,) and
+    nothing behind them. One step after the other: all at once they take FINER times the memory.
+    """
+    own = np.float64 if many <= ENOUGH else np.float32
+    step = np.empty(len(sums), np.result_type(own, np.complex64))
+    step.imag = np.arange(len(sums), dtype=own) * own(-2.0 * np.pi / (FINER * many))
+    step.real = 0.0
+    np.exp(step, out=step)
+    turned, out = np.zeros(many, step.dtype), np.empty((-(-most // FINER), FINER), own)
+    turned[: len(sums)] = sums
+    for k in range(FINER):
+        out[:, k] = np.abs(fft(turned)[: len(out)])
+        turned[: len(sums)] *= step
+    return np.asarray(out.ravel()[:most])
+
+
+def _folds_at(place: np.ndarray, many: int, most: int) -> float:
     """The frequency, in steps of the search, beyond which every wave over cells (n,) looks like a slower one:
-    half of that at which the places that there are show one phase. Infinite where they fill the range.
+    half of that at which the places that there are show one phase. Infinite where they fill the range, or
+    where that is none of the first ``most``.
 
     Source: Deeming (1975), Astrophys. Space Sci. 36: the spectral window.
     """
     there = np.bincount(place) > 0
     if np.count_nonzero(there) > len(there) / 2.0:
         return float("inf")
-    window = np.abs(np.fft.rfft(there.astype(float), FINER * len(there))) / np.count_nonzero(there)
+    window = _lines(there, many, most) / np.count_nonzero(there)
     apart = int(np.argmax(window < ALIKE))
     again = np.flatnonzero(window[apart:] >= ALIKE)
     return (apart + again[0]) / 2.0 if len(again) else float("inf")
