@@ -12,6 +12,8 @@ from scipy.signal import lfilter
 from test.concealed.awkward import slow_noise
 from test.diagnosis.arms import NOISE, on, recorded
 from trunk_ros.data.align import wire_span
+from trunk_ros.diagnosis.resources.cores import on_cores
+from trunk_ros.data.align import wire_span
 from trunk_ros.diagnosis.discrepancy.curves import Place, curve_fit, design_of, ends, with_curve
 from trunk_ros.diagnosis.discrepancy.smooth import smoothed
 from trunk_ros.diagnosis.evidence.wandering import _bare, _put_together, steadied
@@ -20,6 +22,7 @@ from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
 from trunk_ros.diagnosis.resources.work import Work
 from trunk_ros.diagnosis.search.fit import Fit, costed
 from trunk_ros.diagnosis.search.greedy import begun
+from trunk_ros.diagnosis.search.screen import Kept
 from trunk_ros.diagnosis.search.slow_noise import (
     _own_or_theirs,
     likeliest_noise,
@@ -66,6 +69,19 @@ def test_it_is_found_where_it_is_and_has_its_size() -> None:
     assert set(found.wanders) == {1}
     assert found.noise[1].std == pytest.approx(np.hypot(WANDERS, NOISE), rel=0.3)
     assert found.noise[0] == fit.context.noise[0]
+
+
+def test_it_is_the_same_on_two_cores_and_takes_the_same_work_and_looks() -> None:
+    def seen(cores: int) -> tuple[Any, ...]:
+        fit = left(joints=(1, 3))
+        looks: dict[int, Kept] = {c: {} for c in range(5)}
+        with on_cores(cores):
+            context = told_from_noise(fit, looks.__getitem__).context
+        return context.wanders, context.work.done, {c: [*kept] for c, kept in looks.items()}
+
+    one = seen(1)
+    assert set(one[0]) == {1, 3}
+    assert seen(2) == one
 
 
 def test_what_wanders_over_all_times_at_once_has_a_slower_part() -> None:

@@ -64,16 +64,21 @@ class Drawn:
     worth: float
 
 
-def curve_fit(context: Context, bare: Hypothesis, column: int, tied: bool = False) -> Fit | None:
+def curve_fit(context: Context, bare: Hypothesis, column: int) -> Fit | None:
     """The hypothesis with the curve, of whatever it is best a curve of and over what it is best drawn over,
-    that explains most of a column's rest; ``tied``: of those whose values are tied to those beside them.
+    that explains most of a column's rest.
     """
+    return curve_fits(context, bare, column)[0]
+
+
+def curve_fits(context: Context, bare: Hypothesis, column: int) -> tuple[Fit | None, Fit | None]:
+    """The same, and of those curves whose values are tied to those beside them."""
     bare = fit(context, bare, [column]).hypothesis
-    able = [
-        some for some in places(context, bare, column) if some and (len(some[0].curve.bend()) or not tied)
-    ]
+    able = [some for some in places(context, bare, column) if some]
     drawn = [_best(context, bare, column, some) for some in able]
-    return min(drawn, key=lambda d: d.worth).fit if drawn else None
+    tied = [d for d, some in zip(drawn, able, strict=True) if len(some[0].curve.bend())]
+    best, smooth = (min(some, key=lambda d: d.worth, default=None) for some in (drawn, tied))
+    return best and best.fit, smooth and smooth.fit
 
 
 def curves_beside(context: Context, hypothesis: Hypothesis, column: int) -> list[Hypothesis]:

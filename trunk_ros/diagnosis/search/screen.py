@@ -9,6 +9,7 @@ import numpy as np
 
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.context import Context
+from trunk_ros.diagnosis.resources.cores import each
 from trunk_ros.diagnosis.hypothesis import Hypothesis
 from trunk_ros.diagnosis.search.candidates import Candidate, extended, given, plain_forms, taken
 from trunk_ros.diagnosis.search.credible import unshown
@@ -85,7 +86,7 @@ class Screen:
     def beyond_values(self, d: Array, column: int) -> Array:
         """(rows,) of a column as far as the fitted values cannot follow it, linearly."""
         q = self.basis[column]
-        return np.asarray(d - q @ (q.T @ d))
+        return np.asarray(d - q @ (q.T @ d)) if q.size else d
 
     def _look(self, d: Array, column: int) -> tuple[float, float]:
         d = self.beyond_values(d, column)
@@ -175,8 +176,9 @@ class Screen:
         """
         kept = {} if kept is None else kept
         keys = {kind.id: self._key(kind, column) for kind in kinds}
-        for kind in (k for k in kinds if keys[k.id] not in kept):
-            kept[keys[kind.id]] = self.forms(kind, column)
+        new = [kind for kind in kinds if keys[kind.id] not in kept]
+        looked = each(self.context.work, lambda kind: self.forms(kind, column), new)
+        kept |= zip((keys[kind.id] for kind in new), looked, strict=True)
         found = sorted(filter(None, map(kept.get, keys.values())), key=lambda f: -max(c.gain for c in f))
         steady = sorted((-c.gain, c.effect) for f in found for c in f if not c.lasts)
         named = [*dict.fromkeys(name for _, name in steady)][:most]
@@ -223,9 +225,9 @@ class Screen:
         """
         found: dict[tuple[bool, bool], Candidate] = {}
         for form in plain_forms(kind, self.context, self.context.columns) if only is None else (only,):
-            for trial, each in self._on_all(kind, form, also or {}):
+            for trial, looked in self._on_all(kind, form, also or {}):
                 for free in self._freedoms(kind, form):
-                    better = self._on_those_that_gain(kind, replace(trial, free=free), each)
+                    better = self._on_those_that_gain(kind, replace(trial, free=free), looked)
                     key = free, form != "" and form == kind.apart
                     if better and (key not in found or better.gain > found[key].gain):
                         found[key] = better
@@ -282,10 +284,7 @@ class Screen:
         if found is None:
             return None
         lead = leading(kind.own_parameters(trial.form)).name
-        own = {
-            c: {**start, lead: found.start[lead]} if kind.scalable else start
-            for c, start in trial.own.items()
-        }
+        own = {c: {**s, lead: found.start[lead]} if kind.scalable else s for c, s in trial.own.items()}
         return replace(found, columns=tuple(each), own=own)
 
     def _each_by_itself(self, kind: type[Effect], trial: Candidate, each: Products) -> Candidate | None:

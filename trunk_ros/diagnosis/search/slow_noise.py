@@ -7,6 +7,7 @@ from dataclasses import replace
 from functools import cache, partial
 from hashlib import blake2b
 from itertools import chain
+from typing import NamedTuple
 
 import numpy as np
 from scipy.optimize import minimize
@@ -15,8 +16,11 @@ from trunk_ros.compiled import Array
 from trunk_ros.data.noise import WHITE, Noise, rms
 from trunk_ros.data.surroundings import counted
 from trunk_ros.diagnosis.context import Context
+from trunk_ros.diagnosis.resources.cores import each
+from trunk_ros.data.noise import WHITE, Noise, rms
+from trunk_ros.data.surroundings import counted
 from trunk_ros.diagnosis.discrepancy.bank_weights import CUTS, FOLDS, WORTHS, Cuts, Source, Sums
-from trunk_ros.diagnosis.discrepancy.curves import curve_fit
+from trunk_ros.diagnosis.discrepancy.curves import curve_fits
 from trunk_ros.diagnosis.discrepancy.memory import sources
 from trunk_ros.diagnosis.hypothesis import Hypothesis
 from trunk_ros.diagnosis.search.candidates import extended, kinds_of_all, open_kinds
@@ -40,14 +44,20 @@ def told_from_noise(now: Fit, kept: Callable[[int], Kept]) -> Fit:
     another joint tells anything of it. ``kept``: looks at a column. What was told once stays: noise is
     measured by that without it.
     """
-    context, found = now.context, dict[int, Noise]()
+    context, laws = now.context, cache(partial(_laws, now))
     if context.step >= SLOW or context.work.over:
         return now
-    laws = cache(partial(_laws, now))
-    for column in [c for c in context.columns if c not in context.wanders]:
-        noise = _wandering(now, column, kept, laws)
-        if noise is not None:
-            found[column] = noise
+    columns = [c for c in context.columns if c not in context.wanders]
+    columns = [c for c in columns if not is_plain(context, context.noise[c], now.hypothesis, c)]
+    likely = [one for one in each(context.work, partial(_wanderer, now), columns) if one is not None]
+    alone = [(one, kept(one.column)) for one in likely if not one.alike]
+    told = each(context.work, partial(_is_of_the_sensor, now), alone)
+    found = {one.column: one.noise for (one, _), (yes, _) in zip(alone, told, strict=True) if yes}
+    for (_, looked), (_, more) in zip(alone, told, strict=True):
+        looked |= more
+    for one in (one for one in likely if one.alike):  # together, as the laws of all joints are fitted once
+        if _is_of_the_sensor(now, (one, kept(one.column)), laws)[0]:
+            found[one.column] = one.noise
     if not found:
         return now
     return costed(measured(costed(wandering_in(context, found), context.known)), now.hypothesis)
@@ -60,27 +70,41 @@ def wandering_in(context: Context, found: Mapping[int, Noise]) -> Context:
     return replace(context, wanders=wanders).in_noise(noise)
 
 
-def _wandering(
-    now: Fit, column: int, kept: Callable[[int], Kept], laws: Callable[[], list[Hypothesis]]
-) -> Noise | None:
-    """The noise that is all that is left of a column, where that is more than its own; what is cheap to see
-    comes first.
+class Wanderer(NamedTuple):
+    """A column with a noise that may be all that is left of it, what that gains, and whether it is ``alike``
+    on several joints.
     """
+
+    column: int
+    noise: Noise
+    gained: float
+    alike: bool
+
+
+def _wanderer(now: Fit, column: int) -> Wanderer | None:
+    """A column of which more than its own noise is left."""
     context, hypothesis = now.context, now.hypothesis
-    if is_plain(context, context.noise[column], hypothesis, column):
-        return None
     likely = likelier(context, hypothesis, hypothesis, column)
     if likely is None:
         return None
-    noise, gained = likely
     # a law that is not quite the right one leaves what wanders
     alike = not hypothesis.new_on(column, context.known) and _is_near(context, hypothesis, column)
-    alike = alike and is_shared(context, hypothesis, column)
-    if _may_be_named(now, column, kept(column), gained, laws if alike else None):
-        return None
-    if _may_be_drawn(now, column, gained, alike) or told(context, hypothesis, column):
-        return None
-    return None if of_the_arm(context, hypothesis, column, noise) else noise
+    return Wanderer(column, *likely, alike and is_shared(context, hypothesis, column))
+
+
+def _is_of_the_sensor(
+    now: Fit, some: tuple[Wanderer, Kept], laws: Callable[[], list[Hypothesis]] | None = None
+) -> tuple[bool, Kept]:
+    """Whether noise is all that is left of a column, and all looks at it, those that were kept among them."""
+    one, kept = some
+    context, hypothesis, column = now.context, now.hypothesis, one.column
+    known = (
+        of_the_arm(context, hypothesis, column, one.noise)  # what is cheap to see comes first
+        or _may_be_named(now, column, kept, one.gained, laws)
+        or _may_be_drawn(now, column, one.gained, one.alike)
+        or told(context, hypothesis, column)
+    )
+    return not known, kept
 
 
 def likelier(
@@ -155,10 +179,10 @@ def _may_be_drawn(now: Fit, column: int, gained: float, alike: bool) -> bool:
     """Whether the best curve there is likelier than the noise, which has ``gained`` so much, or one of tied
     values pays where sensors are not ``alike``: levels go with whatever wanders.
     """
-    curve = curve_fit(now.context, now.hypothesis, column)
+    curve, tied = curve_fits(now.context, now.hypothesis, column)
     if curve is not None and _gains(now, column, curve.hypothesis, CURVE) > gained:
         return True
-    tied = None if alike or curve is None else curve_fit(now.context, now.hypothesis, column, tied=True)
+    tied = None if alike else tied
     return tied is not None and score(Fit(tied.hypothesis, now.cost | tied.cost, now.context)) < score(now)
 
 
