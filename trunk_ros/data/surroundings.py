@@ -115,7 +115,8 @@ class View:
     def _load_at(self, angles: Array) -> Array:
         known = self.span.resistance
         load = self.arm.load(angles) if known is None else known.load(self.arm, angles)
-        return np.asfortranarray(load if self.arm.coupling is None else self.arm.carried(load))
+        load = load if self.arm.coupling is None else self.arm.carried(load)
+        return np.asfortranarray(load, precision(len(load)))
 
     @property
     def lever(self) -> Array:
@@ -195,7 +196,7 @@ class View:
         load = self.load[:, one]
         if payload.mass:
             load = load + self._carried(payload) * self.lever[:, one]
-        return np.ascontiguousarray(load)
+        return np.ascontiguousarray(load, float)
 
     def _carried(self, payload: Payload) -> Array:
         """(m, 1) or (1, 1) kg."""

@@ -133,8 +133,11 @@ def costed_on(now: Fit, hypothesis: Hypothesis, column: int) -> Fit:
 
 def costed(context: Context, hypothesis: Hypothesis) -> Fit:
     """A hypothesis with the values that it has."""
-    parts = context.whitened_each([(hypothesis, c) for c in context.columns])
-    cost = {c: float(part @ part) for c, part in zip(context.columns, parts, strict=True)}
+    cost, columns = dict[int, float](), context.columns
+    for first in range(0, len(columns), most := context.together):
+        some = columns[first : first + most]
+        parts = context.whitened_each([(hypothesis, c) for c in some])
+        cost |= {c: float(part @ part) for c, part in zip(some, parts, strict=True)}
     return Fit(hypothesis, cost, context)
 
 

@@ -11,6 +11,8 @@ from trunk_ros.compiled import Array
 from trunk_ros.derivatives import gradient
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.hypothesis import Hypothesis
+from trunk_ros.levels import CLEARLY, FAR_OFF, HALF, PART, SEVERAL, SLIGHT
+from trunk_ros.machine import pieces
 from trunk_ros.diagnosis.search.fit import Fit
 from trunk_ros.effects import effect
 from trunk_ros.guards import ROUNDED
@@ -110,8 +112,11 @@ def _right_line(context: Context, column: int, rest: Array, line: Array) -> floa
 
 def _rest_and_line(fit: Fit, column: int) -> tuple[Array, Array]:
     """(4,) what is left of a column, and (4, 3) its line: in the few coordinates in which all of them lie."""
-    both = np.column_stack([*_line(fit, column), fit.context.whitened(fit.hypothesis, column)])
-    few = np.asarray(np.linalg.qr(both, mode="r"))
+    both = [*_line(fit, column), fit.context.whitened(fit.hypothesis, column)]
+    few = np.empty((0, len(both)))
+    for rows in pieces(len(both[0]), len(both)):
+        piece = np.column_stack([one[rows] for one in both])
+        few = np.asarray(np.linalg.qr(np.concatenate([few, piece]) if len(few) else piece, mode="r"))
     return few[:, -1], few[:, :-1]
 
 

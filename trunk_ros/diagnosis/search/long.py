@@ -54,6 +54,7 @@ def searched(context: Context, say: Callable[[str], None]) -> Searched:
         return Searched(state, state, context.work.over)
     give_back()
     first = search(replace(some, work=granted()), Desk(lambda text: say(f"excerpt: {text}")))
+    first.context.forget()  # nobody asks for it until rivals are fitted
     say("the whole recording")
     give_back()
     state = _on_the_whole(context, first.hypothesis, Desk(lambda text: _tidied(say, text)))

@@ -10,6 +10,8 @@ import numpy as np
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.hypothesis import Hypothesis
+from trunk_ros.levels import SEVERAL
+from trunk_ros.machine import precision
 from trunk_ros.diagnosis.search.size import different
 from trunk_ros.effects import Effect
 from trunk_ros.levels import SEVERAL
@@ -42,7 +44,8 @@ class Starts:
         span = self.context.views[index].span
         valid = span.valid[:, column]
         off = self.context.residual(index, self.hypothesis, column)[valid]
-        return np.interp(span.grid, span.stamp[valid], off) if valid.any() else np.zeros(len(span.grid))
+        rest = np.interp(span.grid, span.stamp[valid], off) if valid.any() else np.zeros(len(span.grid))
+        return np.asarray(rest, precision(len(rest)))
 
     def on(self, kind: type[Effect], form: str, column: int) -> list[dict[str, Any]]:
         """Where an effect may begin on a column, by the recordings with most to explain."""
@@ -50,7 +53,7 @@ class Starts:
 
     def _in(self, index: int, kind: type[Effect], form: str, column: int) -> Iterator[dict[str, Any]]:
         context = self.context
-        rest = self._left.get((column, index))
+        rest = np.asarray(self._left[column, index], float) if (column, index) in self._left else None
         begun = kind({}, {}, form).starts(context.shown(column, index), 0, rest)
         options = ({},) if kind.id in self.hypothesis else kind.options(form)  # others share what is there
         both = [{**start, **option} for option in options for start in begun]

@@ -130,7 +130,11 @@ class Stage(ABC):
 
     @cached_property
     def _bears(self) -> list[bool]:
-        seen = np.array([np.abs(each).max(axis=0) for v in self.views for each in (v.load, v.lever)])
+        sizes = [_size(each) for view in self.views for each in (view.load, view.lever)]
+        for view in self.views:
+            if len(view.span.grid) > CELLS:
+                view.large.clear()  # whoever asks for them again has them made anew
+        seen = np.array(sizes)
         return [bool(felt) for felt in (seen > SAME * seen.max()).any(axis=0)]
 
     def own_steps(self, column: int) -> float:
@@ -218,3 +222,8 @@ class Stage(ABC):
             (count(readings) for readings in self._readings(column) if len(readings) > 1), default=0.0
         )
         return float(steps / np.sqrt(12.0))
+
+
+def _size(signal: Array) -> Array:
+    """(columns,) how large a signal (n, columns) is at most."""
+    return np.asarray(np.maximum(signal.max(axis=0), -signal.min(axis=0)))
