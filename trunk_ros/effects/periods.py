@@ -67,12 +67,11 @@ def _lines(sums: Array | np.ndarray, many: int, most: int) -> Array:
     """The first ``most`` lines of a spectrum of ``many`` cells in FINER steps each, of ``sums`` (n,) and
     nothing behind them. One step after the other: all at once they take FINER times the memory.
     """
-    own = np.float64 if many <= ENOUGH else np.float32
-    step = np.empty(len(sums), np.result_type(own, np.complex64))
-    step.imag = np.arange(len(sums), dtype=own) * own(-2.0 * np.pi / (FINER * many))
-    step.real = 0.0
+    own, both = ("float64", "complex128") if many <= ENOUGH else ("float32", "complex64")
+    step = np.zeros(len(sums), both)
+    step.imag = np.arange(len(sums), dtype=own) * (-2.0 * np.pi / (FINER * many))
     np.exp(step, out=step)
-    turned, out = np.zeros(many, step.dtype), np.empty((-(-most // FINER), FINER), own)
+    turned, out = np.zeros(many, both), np.empty((-(-most // FINER), FINER), own)
     turned[: len(sums)] = sums
     for k in range(FINER):
         out[:, k] = np.abs(fft(turned)[: len(out)])

@@ -78,7 +78,7 @@ def curve_fits(context: Context, bare: Hypothesis, column: int) -> tuple[Fit | N
     drawn = [_best(context, bare, column, some) for some in able]
     tied = [d for d, some in zip(drawn, able, strict=True) if len(some[0].curve.bend())]
     best, smooth = (min(some, key=lambda d: d.worth, default=None) for some in (drawn, tied))
-    return best and best.fit, smooth and smooth.fit
+    return best.fit if best else None, smooth.fit if smooth else None
 
 
 def curves_beside(context: Context, hypothesis: Hypothesis, column: int) -> list[Hypothesis]:
