@@ -63,7 +63,8 @@ def each(work: Work, call: Callable[[Item], Result], items: Sequence[Item]) -> l
         for _ in range(hands - 1):
             with suppress(BlockingIOError, MemoryError):  # as many as the system grants
                 children.append(_forked(queue, work, call, items))
-        done = {k: call(items[k]) for k in _taken(queue)}
+        with on_cores(1):  # all are taken
+            done = {k: call(items[k]) for k in _taken(queue)}
         for _, answers in children:
             for k, result, simulated in _answered(answers):
                 if isinstance(result, BaseException):
