@@ -51,10 +51,11 @@ def told_from_noise(now: Fit, kept: Callable[[int], Kept]) -> Fit:
     columns = [c for c in columns if not is_plain(context, context.noise[c], now.hypothesis, c)]
     likely = [one for one in each(context.work, partial(_wanderer, now), columns) if one is not None]
     alone = [(one, kept(one.column)) for one in likely if not one.alike]
-    told = each(context.work, partial(_is_of_the_sensor, now), alone)
-    found = {one.column: one.noise for (one, _), (yes, _) in zip(alone, told, strict=True) if yes}
-    for (_, looked), (_, more) in zip(alone, told, strict=True):
-        looked |= more
+    found = dict[int, Noise]()
+    seen = each(context.work, partial(_is_of_the_sensor, now), alone)
+    for (one, looked), (yes, more) in zip(alone, seen, strict=True):
+        looked |= more  # another process has its own
+        found |= {one.column: one.noise} if yes else {}
     for one in (one for one in likely if one.alike):  # together, as the laws of all joints are fitted once
         if _is_of_the_sensor(now, (one, kept(one.column)), laws)[0]:
             found[one.column] = one.noise
@@ -65,15 +66,13 @@ def told_from_noise(now: Fit, kept: Callable[[int], Kept]) -> Fit:
 
 def wandering_in(context: Context, found: Mapping[int, Noise]) -> Context:
     """A context with the noise that was ``found`` of columns whose readings wander."""
-    wanders = {**context.wanders, **found}
+    wanders = {**context.wanders, **dict(sorted(found.items()))}
     noise = tuple(wanders.get(c, n) for c, n in enumerate(context.noise))
     return replace(context, wanders=wanders).in_noise(noise)
 
 
 class Wanderer(NamedTuple):
-    """A column with a noise that may be all that is left of it, what that gains, and whether it is ``alike``
-    on several joints.
-    """
+    """A column, a noise that may be all that is left there, what it gains, and whether sensors are alike."""
 
     column: int
     noise: Noise
@@ -98,13 +97,10 @@ def _is_of_the_sensor(
     """Whether noise is all that is left of a column, and all looks at it, those that were kept among them."""
     one, kept = some
     context, hypothesis, column = now.context, now.hypothesis, one.column
-    known = (
-        of_the_arm(context, hypothesis, column, one.noise)  # what is cheap to see comes first
-        or _may_be_named(now, column, kept, one.gained, laws)
-        or _may_be_drawn(now, column, one.gained, one.alike)
-        or told(context, hypothesis, column)
-    )
-    return not known, kept
+    known = of_the_arm(context, hypothesis, column, one.noise)  # what is cheap to see comes first
+    known = known or _may_be_named(now, column, kept, one.gained, laws)
+    known = known or _may_be_drawn(now, column, one.gained, one.alike)
+    return not (known or told(context, hypothesis, column)), kept
 
 
 def likelier(
