@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from test.diagnosis import arms
-from test.diagnosis.arms import SHORT, TRUNK, of_the_servos, of_the_wires
+from test.diagnosis.arms import SHORT, of_the_servos, of_the_wires
 from trunk_ros.recording.recording import Recording
 from trunk_ros.simulate import simulate
 
@@ -35,9 +35,9 @@ def test_a_dead_band_and_a_ratio_are_named_on_their_joints_with_their_sizes() ->
 
 def test_a_payload_that_the_wires_show_bears_on_the_servo_as_well() -> None:
     """The droop of a servo under load is as large as it is, not as large as the payload makes it look."""
-    effects = {"load_elasticity": {"compliance": TRUNK.arm.compliance, "payload": 0.06}}
-    recording = arms.recorded(effects | {"load_droop": {"gain": 0.05}}, seconds=12.0)
-    result = arms.diagnose([recording])
+    effects = {"load_elasticity": {"compliance": SHORT.arm.compliance, "payload": 0.06}}
+    recording = recorded(effects | {"load_droop": {"gain": 0.05}}, seconds=12.0)
+    result = diagnose([recording])
     named = {f.effect: f for f in result.findings}
     assert set(named) == {"load_droop", "load_elasticity"}
     assert named["load_droop"].parameters["arm"]["gain"]["value"] == pytest.approx(0.05, rel=0.02)
