@@ -146,7 +146,7 @@ def test_a_moment_of_the_model_that_is_kept_is_none_and_one_that_is_gone_or_move
 ) -> None:
     save_model(Model(SHORT.arm, LATE), tmp_path / "model.yaml")
     run = of_the_wires(recorded(LATE, seconds=SECONDS))
-    assert diagnose(run, tmp_path / "model.yaml").verdict == "no_mismatch"
+    assert diagnose(run, tmp_path / "model.yaml", experiments=False).verdict == "no_mismatch"
     for shows in (SLACK, {"backlash": {"half_width": on(3, 3e-3), "from": on(3, 4.0)}}):
         (only,) = told(LATE, shows).findings
         assert "from: the model has 8 s" in only.statement
@@ -193,7 +193,7 @@ def test_a_joint_that_was_not_recorded_keeps_what_the_model_has_of_it() -> None:
     has = {"backlash": {"half_width": on(3, 3e-3) + on(1, 2e-3)}}
     run = of_the_wires(recorded(has, seconds=SECONDS))
     some = replace(run, series={k: s.select(s.joints[1:]) for k, s in run.series.items()})
-    result = diagnose(some, Model(SHORT.arm, has))
+    result = diagnose(some, Model(SHORT.arm, has), experiments=False)
     assert result.verdict == "no_mismatch"
     assert result.model.effects["backlash"]["half_width"] == pytest.approx(
         has["backlash"]["half_width"], abs=1e-4
@@ -228,7 +228,7 @@ def test_what_the_model_has_is_as_it_was_where_nothing_is_said_of_it() -> None:
 def test_a_payload_that_no_joint_gives_way_to_is_carried_on() -> None:
     carries = {"load_elasticity": {"compliance": np.zeros(5), "payload": 0.4}}
     model = replace(load_model("trunk"), effects=carries)
-    seen = arms.recorded({"backlash": {"half_width": arms.on(2, 6e-4)}}, 30.0)
-    result = diagnose([seen], model=model)
+    seen = arms.recorded({"backlash": {"half_width": arms.on(2, 6e-4)}}, SECONDS)
+    result = diagnose([of_the_wires(seen)], model=model, experiments=False)
     assert [f.effect for f in result.findings] == ["backlash"]
     assert result.model.effects["load_elasticity"]["payload"] == 0.4

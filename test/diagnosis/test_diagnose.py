@@ -166,8 +166,8 @@ def test_a_joint_that_stood_somewhere_in_its_play_for_long_is_no_finding() -> No
         noise = np.random.default_rng(9).normal(size=4000) * 1e-4 if key == "joint_states" else 0.0
         position[:4000, 2] = rest + noise
         stood[key] = replace(whole.series[key], position=position, velocity=None)
-    result = diagnose([replace(whole, series={**whole.series, **stood})])
-    assert [f.effect for f in result.findings if f.stage == "wire"] == []
+    result = diagnose([of_the_wires(replace(whole, series={**whole.series, **stood}))])
+    assert result.findings == []
 
 
 def test_a_stop_that_is_hardly_touched_is_a_stop() -> None:
