@@ -32,7 +32,7 @@ TRUTH = {
 def run(effects: dict[str, Any], noise: float) -> Recording:
     """An arm whose joints have names of their own, motor side and joint side."""
     direct = load_model("direct").for_joints(JOINTS)
-    phi = setpoints_of(20.0, len(JOINTS))
+    phi = setpoints_of(12.0, len(JOINTS))
     stamp = np.arange(len(phi)) / 100
     theta, _ = Chain(Model(direct.arm, effects), "wire").run(phi, stamp)
     theta = theta + noise * np.random.default_rng(0).standard_normal(theta.shape)
@@ -92,7 +92,7 @@ def test_a_recording_against_itself_lacks_nothing() -> None:
     whole = run({}, 0.0)
     made = replace(whole, series={key: series.select(JOINTS[:1]) for key, series in whole.series.items()})
     shown, stamp = made.series["gearbox_states"], made.series["gearbox_states"].stamp
-    bend = 0.004 * np.sin(0.9 * stamp) * np.exp(-(((stamp - 12.0) / 4.0) ** 2))
+    bend = 0.004 * np.sin(0.9 * stamp) * np.exp(-(((stamp - 7.0) / 2.5) ** 2))
     asked = replace(shown, position=shown.position - bend[:, None], velocity=None)
     both = replace(made, series={**made.series, "setpoints": asked})
     result = diagnose([both], against=both)
