@@ -12,13 +12,12 @@ from scipy.signal import lfilter
 from test.concealed.awkward import slow_noise
 from test.diagnosis.arms import NOISE, on, recorded
 from trunk_ros.data.align import wire_span
-from trunk_ros.diagnosis.resources.cores import on_cores
-from trunk_ros.data.align import wire_span
 from trunk_ros.diagnosis.discrepancy.curves import Place, curve_fit, design_of, ends, with_curve
 from trunk_ros.diagnosis.discrepancy.smooth import smoothed
 from trunk_ros.diagnosis.evidence.wandering import _bare, _put_together, steadied
 from trunk_ros.diagnosis.first_look import first_look
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
+from trunk_ros.diagnosis.resources.cores import on_cores
 from trunk_ros.diagnosis.resources.work import Work
 from trunk_ros.diagnosis.search.fit import Fit, costed
 from trunk_ros.diagnosis.search.greedy import begun

@@ -11,12 +11,11 @@ from trunk_ros.compiled import Array
 from trunk_ros.derivatives import gradient
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.hypothesis import Hypothesis
-from trunk_ros.levels import CLEARLY, FAR_OFF, HALF, PART, SEVERAL, SLIGHT
-from trunk_ros.machine import pieces
 from trunk_ros.diagnosis.search.fit import Fit
 from trunk_ros.effects import effect
 from trunk_ros.guards import ROUNDED
 from trunk_ros.levels import CLEARLY, FAR_OFF, HALF, PART, SEVERAL, SLIGHT
+from trunk_ros.machine import pieces
 
 FORMULAS = 0.001
 """Of a joint's misfit: what the formulas of named effects may be off by, 3 % of their size. On arms that go

@@ -9,8 +9,8 @@ import numpy as np
 
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.context import Context
-from trunk_ros.diagnosis.resources.cores import each
 from trunk_ros.diagnosis.hypothesis import Hypothesis
+from trunk_ros.diagnosis.resources.cores import each
 from trunk_ros.diagnosis.search.candidates import Candidate, extended, given, plain_forms, taken
 from trunk_ros.diagnosis.search.credible import unshown
 from trunk_ros.diagnosis.search.followed import directions

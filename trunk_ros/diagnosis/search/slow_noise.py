@@ -16,13 +16,11 @@ from trunk_ros.compiled import Array
 from trunk_ros.data.noise import WHITE, Noise, rms
 from trunk_ros.data.surroundings import counted
 from trunk_ros.diagnosis.context import Context
-from trunk_ros.diagnosis.resources.cores import each
-from trunk_ros.data.noise import WHITE, Noise, rms
-from trunk_ros.data.surroundings import counted
 from trunk_ros.diagnosis.discrepancy.bank_weights import CUTS, FOLDS, WORTHS, Cuts, Source, Sums
 from trunk_ros.diagnosis.discrepancy.curves import curve_fits
 from trunk_ros.diagnosis.discrepancy.memory import sources
 from trunk_ros.diagnosis.hypothesis import Hypothesis
+from trunk_ros.diagnosis.resources.cores import each
 from trunk_ros.diagnosis.search.candidates import extended, kinds_of_all, open_kinds
 from trunk_ros.diagnosis.search.fit import Fit, costed, refit, refit_column
 from trunk_ros.diagnosis.search.formed import measured

@@ -10,11 +10,10 @@ import numpy as np
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.hypothesis import Hypothesis
-from trunk_ros.levels import SEVERAL
-from trunk_ros.machine import precision
 from trunk_ros.diagnosis.search.size import different
 from trunk_ros.effects import Effect
 from trunk_ros.levels import SEVERAL
+from trunk_ros.machine import precision
 from trunk_ros.parameter import leading
 
 SHARES = (0.05, 0.15, 0.3)  # of the motion: half-widths of wide loops that a fit starts at
