@@ -7,8 +7,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from test.data.test_align import kept
 from test.diagnosis.arms import TRUNK, diagnose, recorded
-from test.diagnosis.test_align import kept
 from trunk_ros.data.align import wire_span
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.first_look import first_look

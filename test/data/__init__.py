@@ -1,0 +1,1 @@
+"""What clocks and sensors did to recordings."""
