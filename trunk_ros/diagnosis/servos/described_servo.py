@@ -15,7 +15,7 @@ from trunk_ros.arm_model import SAMPLED
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.search.formed import but_for_a_lag
-from trunk_ros.diagnosis.servos.nominal_servo import METHODS, moved, numbers_of_each, period
+from trunk_ros.diagnosis.servos.nominal_servo import METHODS, Method, moved, numbers_of_each, period
 from trunk_ros.diagnosis.servos.servo_loop import STEPS, TOP_SPEED, Loop, fastest_of, is_explained, numbers_of
 from trunk_ros.levels import CLEARLY
 from trunk_ros.model import Model
@@ -51,7 +51,7 @@ def with_its_step(model: Model, recordings: Sequence[Recording]) -> Model:
     both = zip(moved(model, recordings), moved(endless, recordings), strict=True)
     step = STEP * (1.0 - float(np.median([_nearer(*one, other, model) for one, (other, _, _) in both])))
     stepped = replace(model, arm=replace(model.arm, step=step))
-    left, less = (_left(each, recordings) for each in (model, stepped))
+    left, less = (_left(each, recordings, METHODS[:1], rough=True) for each in (model, stepped))
     return stepped if CLEARLY * less < left else model
 
 
@@ -94,7 +94,9 @@ def _steps(loop: Loop, told: Array, others: Sequence[Array]) -> Array:
     return np.asarray(np.linalg.lstsq(ways, -base, rcond=None)[0])
 
 
-def _left(model: Model, recordings: Sequence[Recording]) -> float:
+def _left(
+    model: Model, recordings: Sequence[Recording], methods: Sequence[Method] = METHODS, rough: bool = False
+) -> float:
     """What loops like those of a model leave, rms [rad], of other gains, delays and top speeds, as effects
     make them.
     """
@@ -105,8 +107,8 @@ def _left(model: Model, recordings: Sequence[Recording]) -> float:
         cost = float(rest @ rest)
         if not is_explained(loop, cost):
             tau_v, share = float(told[1]), None if told[-1] else -1
-            for top, method in product((told[TOP_SPEED][0], fastest_of(context, column)), METHODS):
+            for top, method in product((told[TOP_SPEED][0], fastest_of(context, column)), methods):
                 start = loop.at(np.where(TOP_SPEED, top, told))[:share]
-                cost = min(cost, loop.left(numbers_of(loop.fitted(start, method, tau_v).x, tau_v)))
+                cost = min(cost, loop.left(numbers_of(loop.fitted(start, method, tau_v, rough).x, tau_v)))
         squares += cost * context.noise[column].std ** 2 / context.count(column)
     return float(np.sqrt(squares))
