@@ -212,6 +212,19 @@ def test_a_single_setpoint_that_is_lost_on_an_even_way_hides_nothing() -> None:
     assert worst(ServoStage([span], TRUNK)) < 6e-5
 
 
+def test_setpoints_that_come_as_they_like_are_held_until_the_next() -> None:
+    """In bursts, as a logger writes them: none is missing between, and a pause is one all the same."""
+    steps = np.where(np.arange(len(T)) % 4 == 0, 0.03, np.where(np.arange(len(T)) % 4 == 1, 0.01, 0.002))
+    stamp = np.cumsum(steps)
+    recording = under_setpoints(stamp, np.sin(0.3 * stamp))
+    span = servo_span(recording, TRUNK)
+    assert span.valid.mean() > 0.95
+    assert worst(ServoStage([span], TRUNK)) < 6e-5
+    paused = under_setpoints(stamp, np.sin(0.3 * stamp), np.abs(stamp - 10.0) > 2.0)
+    span = servo_span(paused, TRUNK)
+    assert not span.valid[(span.stamp > 8.1) & (span.stamp < 12.0)].any()
+
+
 def test_setpoints_that_may_have_gone_anywhere_in_many_gaps_are_the_reason_that_is_named() -> None:
     """They jump in each of them."""
     went = 0.2 * np.cumsum(np.random.default_rng(0).normal(size=len(T) // 50 + 1))

@@ -21,9 +21,8 @@ from trunk_ros.machine import CELLS
 from trunk_ros.recording.recording import JointSeries, Recording
 from trunk_ros.recording.signal.encoder import between_counts, counts, noises
 from trunk_ros.recording.signal.fill import hold
-from trunk_ros.recording.signal.gaps import in_gaps, late, unseen, usual
+from trunk_ros.recording.signal.gaps import in_gaps, late, longest_wait, unseen
 from trunk_ros.recording.signal.resample import (
-    LONGEST_GAP,
     SAME,
     SLOW,
     joint_grid,
@@ -202,7 +201,7 @@ def _after_gaps(
     """
     stamp, position = setpoints.stamp, hold(setpoints.position)
     out, anew, seen = np.zeros(len(grid), dtype=bool), [], grid[~np.all(lost, axis=1)]
-    longest = 1.5 * float(np.median(np.diff(stamp))) if len(stamp) > 1 else LONGEST_GAP
+    longest = longest_wait(stamp)
     for k in np.setdiff1d(np.flatnonzero(np.diff(stamp) > longest), _harmless(setpoints, small)):
         catching_up = 2.0 * float((np.abs(position[k + 1] - position[k]) / v_max).max())
         until = stamp[k + 1] + SETTLING + catching_up
@@ -221,7 +220,7 @@ def hidden_by_gaps(recording: Recording) -> str:
         return ""
     joints = tuple(joint for joint in setpoints.joints if joint in gearbox.joints)
     setpoints, small = setpoints.select(joints), np.maximum(noises(gearbox.select(joints)) / 2, UNSEEN)
-    wide = np.flatnonzero(np.diff(setpoints.stamp) > usual(setpoints.stamp))
+    wide = np.flatnonzero(np.diff(setpoints.stamp) > longest_wait(setpoints.stamp))
     times = len(np.setdiff1d(wide, _harmless(setpoints, small)))
     if times * SETTLING < HALF * recording.duration:
         return ""

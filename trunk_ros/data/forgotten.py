@@ -9,6 +9,10 @@ from trunk_ros.data.motion_content import STANDS, extent
 from trunk_ros.levels import OUTLIERS
 from trunk_ros.recording.signal.gaps import usual
 from trunk_ros.recording.signal.resample import SAME, longest_gap
+from trunk_ros.data.motion_content import STANDS, extent
+from trunk_ros.levels import OUTLIERS
+from trunk_ros.recording.signal.gaps import longest_wait
+from trunk_ros.recording.signal.resample import SAME
 
 FORGETS = 0.5  # s without gearbox angles in which a joint may have turned unseen
 
@@ -19,8 +23,7 @@ def forgotten(u: Array, grid: Array, stamp: Array, least: Array, small: Array, s
     count, nor does what readings that scatter by ``scatters`` (joints,) rad seem to do.
     """
     out = np.zeros(u.shape, dtype=bool)
-    longest = min(usual(stamp), longest_gap(stamp))
-    for k in np.flatnonzero(np.diff(stamp) > longest):
+    for k in np.flatnonzero(np.diff(stamp) > longest_wait(stamp)):
         first = int(np.searchsorted(grid, stamp[k + 1] - SAME))
         unseen = (_turned_by(u, grid, stamp, int(k), scatters) > small) | bool(
             stamp[k + 1] - stamp[k] > FORGETS

@@ -27,6 +27,13 @@ def usual(stamp: Floats) -> float:
     return longest if float(np.mean(between <= longest)) >= REGULAR else np.inf
 
 
+def longest_wait(stamp: Floats) -> float:
+    """Time [s] after which the next sample is late: some are lost, or none come for longer than is usual of
+    those that come as they like.
+    """
+    return min(usual(stamp), longest_gap(stamp))
+
+
 def runs(where: np.ndarray) -> np.ndarray:
     """(k, 2): the first row of each run of a mask (n,), and the one after its last."""
     return np.flatnonzero(np.diff(np.concatenate([[0], where.astype(int), [0]]))).reshape(-1, 2)
@@ -92,7 +99,7 @@ def in_gaps(series: JointSeries, grid: Floats) -> np.ndarray:
 
 def unseen(series: JointSeries) -> tuple[Floats, ...]:
     """Of each joint (k, 2) s between which its values are guessed in this way."""
-    longest = min(usual(series.stamp), longest_gap(series.stamp))
+    longest = longest_wait(series.stamp)
     known = [series.stamp[np.isfinite(position)] for position in series.position.T]
     last = [np.flatnonzero(np.diff(stamp) > longest) for stamp in known]
     return tuple(np.column_stack([s[k], s[k + 1]]) for s, k in zip(known, last, strict=True))
