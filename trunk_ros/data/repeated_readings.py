@@ -7,6 +7,8 @@ from dataclasses import replace
 import numpy as np
 
 from trunk_ros.compiled import Array
+from trunk_ros.data.merged_readings import between_messages
+from trunk_ros.levels import CLEARLY, ENOUGH, FEWEST, HALF, NEARLY, OUTLIERS, PART, THREEFOLD
 from trunk_ros.guards import TINY
 from trunk_ros.levels import CLEARLY, ENOUGH, FEWEST, HALF, NEARLY, OUTLIERS, PART, THREEFOLD
 from trunk_ros.recording.child_process import at_stamps
@@ -75,16 +77,18 @@ def asked(stamp: Array, usual: float, tick: float) -> Array:
 def new_readings(series: JointSeries) -> tuple[JointSeries, float]:
     """The series without repeats, and how long [s] its sensor holds a reading; 0 where it does not.
 
-    All joints that tell have to be held; one that goes from count to count at most tells nothing. Where they
-    are read together, they stay in one row; where they are read in turn, the others are interpolated to the
-    times of the joint with most readings. While nothing changes one sample is kept every other reading, since
-    standing still is a fact as well.
+    All joints that tell have to be held, by a clock or from message to message; one that goes from count to
+    count at most tells nothing. Where they are read together, they stay in one row; where they are read in
+    turn, the others are interpolated to the times of the joint with most readings. While nothing changes one
+    sample is kept every other reading, since standing still is a fact as well.
     """
     stamp, telling = _telling(series)
     times = [holding(stamp, column) for column in telling]
-    if not times or min(times) == 0.0:
+    clocked = bool(times) and min(times) > 0.0
+    usual = float(np.median(times)) if clocked else between_messages(stamp, telling)
+    if usual == 0.0:
         return series, 0.0
-    usual, tick = float(np.median(times)), float(np.median(np.diff(stamp)))
+    tick = float(np.median(np.diff(stamp)))
     if in_turn(series, usual):
         return _at_one_time(series, usual, tick), usual
     kept = _kept(series.stamp, series.position, 2.0 * usual)
