@@ -11,8 +11,12 @@ import pytest
 from test.diagnosis.arms import NOISE, diagnose, of_the_wires, on, recorded
 from test.diagnosis.search.looks import context
 from test.effects.example import arm_of
+from trunk_ros.data.align import wire_span
+from trunk_ros.diagnosis.first_look import first_look
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
+from trunk_ros.diagnosis.search.greedy import begun
 from trunk_ros.diagnosis.sparse import Sparse
+from trunk_ros.diagnosis.stages.wire import WireStage
 from trunk_ros.model import Model
 from trunk_ros.recording.recording import Recording
 
@@ -44,3 +48,18 @@ def test_what_is_small_beside_a_motors_step_is_found_behind_a_gear_that_nobody_s
     assert play.joints == ["joint_1"]
     assert found.model.effects["backlash"]["half_width"][0] == pytest.approx(WIDTH, rel=0.1)
     assert found.verdict == "explained"
+
+
+def test_what_formulas_may_be_off_by_is_not_hidden_by_what_motors_read_by_chance() -> None:
+    """At the motor it is fifty times the joint's noise, and hid what the joint does."""
+    seen = geared_down({"backlash": {"half_width": on(1, 20.0 * NOISE, 2)}})
+    motors = seen.series["gearbox_states"]
+    chance = np.random.default_rng(3).normal(0.0, 50.0 * NOISE, motors.position.shape)
+    motors = replace(motors, position=motors.position + chance, velocity=None)
+    noisy = replace(seen, series=seen.series | {"gearbox_states": motors})
+    looks = []
+    for ratio in (RATIO, 1.0):
+        model = Model(replace(COARSE, ratio=np.full(2, ratio), counts_per_rev=0))
+        looks.append(begun(first_look(WireStage([wire_span(noisy, model)], model))).context)
+    told, found = (look.formed_misfit[0] * look.noise[0].std ** 2 for look in looks)
+    assert found == pytest.approx(told, rel=0.15)  # less what looks like another ratio

@@ -12,6 +12,9 @@ from trunk_ros.derivatives import gradient
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.hypothesis import Hypothesis
 from trunk_ros.diagnosis.search.fit import Fit
+from trunk_ros.levels import CLEARLY, FAR_OFF, HALF, PART, SEVERAL, SLIGHT
+from trunk_ros.diagnosis.search.candidates import Candidate, extended, local_kinds
+from trunk_ros.diagnosis.search.fit import Fit, costed, fit
 from trunk_ros.effects import effect
 from trunk_ros.guards import ROUNDED
 from trunk_ros.levels import CLEARLY, FAR_OFF, HALF, PART, SEVERAL, SLIGHT
@@ -24,9 +27,29 @@ by other laws, what was said beside the right names explained up to 0.0008.
 
 
 def measured(first: Fit) -> Context:
-    """The context of a first fit, in which all else is measured by what that leaves."""
+    """The context of a first fit, in which all else is measured by what that leaves; what formulas may be off
+    by in the noise that the right ratios leave: by others the motors' noise may hide all of it.
+    """
     context, misfit = first.context, {c: first.rest(c) for c in first.cost}
-    return replace(context, misfit=misfit, formed_misfit=formed_misfits(first))
+    right = with_ratios(first)
+    heard = context if right is context.known else context.weighed(right)
+    louder = [(there.std / here.std) ** 2 for there, here in zip(heard.noise, context.noise, strict=True)]
+    formed = formed_misfits(first if heard is context else costed(heard, first.hypothesis))
+    return replace(context, misfit=misfit, formed_misfit={c: m * louder[c] for c, m in formed.items()})
+
+
+def with_ratios(first: Fit) -> Hypothesis:
+    """What the model knows, with the right ratio and zero of joints whose ratio it does not know at all, by
+    what a first fit leaves.
+    """
+    context, out = first.context, first.context.known
+    kinds = [k for k in local_kinds(context) if k.of_every_joint and k.id not in out]
+    far = [c for c in first.cost if _is_far_off(first, c)] if kinds else []
+    for column in far:
+        for kind in kinds:
+            start = {p.name: p.null for p in kind.parameters}
+            out = extended(context, out, Candidate(kind.id, kind.forms[0], column, start))
+    return fit(context, out, far).hypothesis if far else out
 
 
 def but_for_a_zero(context: Context, column: int, rest: Array) -> Array:
@@ -35,21 +58,27 @@ def but_for_a_zero(context: Context, column: int, rest: Array) -> Array:
     return np.asarray(rest - (rest @ zero) / max(float(zero @ zero), ROUNDED) * zero)
 
 
-def formed_misfits(fit: Fit) -> dict[int, float]:
+def formed_misfits(first: Fit) -> dict[int, float]:
     """What formulas can be off in proportion to: what a fit leaves of each column above the noise, in squared
     unit-noise residuals, with the right zero, as a constant has no formula; where the ratio is FAR_OFF, with
     the right one of that as well; and where one lag of all joints leaves hardly a PART of that, without it:
     what is late, a reading or a setpoint, has no formula either.
     """
-    context = fit.context
-    seen = {c: _rest_and_line(fit, c) for c in fit.cost}
-    left = {c: min(fit.rest(c), _right_line(context, c, *both)) for c, both in seen.items()}
+    context = first.context
+    seen = {c: _rest_and_line(first, c) for c in first.cost}
+    left = {c: min(first.rest(c), _right_line(context, c, *both)) for c, both in seen.items()}
     if len(seen) < SEVERAL:
         return left
     lag = np.median([np.linalg.lstsq(line, rest, rcond=ROUNDED)[0][2] for rest, line in seen.values()])
     prompt = {c: _right_line(context, c, rest - lag * line[:, 2], line) for c, (rest, line) in seen.items()}
     late = sum(prompt.values()) < PART * sum(left.values())
     return {c: min(left[c], prompt[c]) for c in left} if late else left
+
+
+def _is_far_off(first: Fit, column: int) -> bool:
+    """Whether by what a first fit leaves of a column its ratio is another one by far."""
+    rest, line = _rest_and_line(first, column)
+    return bool(abs(np.linalg.lstsq(line[:, :2], rest, rcond=ROUNDED)[0][0]) > FAR_OFF)
 
 
 def off_by(context: Context, column: int) -> float:
