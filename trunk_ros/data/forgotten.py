@@ -7,10 +7,6 @@ import numpy as np
 from trunk_ros.compiled import Array
 from trunk_ros.data.motion_content import STANDS, extent
 from trunk_ros.levels import OUTLIERS
-from trunk_ros.recording.signal.gaps import usual
-from trunk_ros.recording.signal.resample import SAME, longest_gap
-from trunk_ros.data.motion_content import STANDS, extent
-from trunk_ros.levels import OUTLIERS
 from trunk_ros.recording.signal.gaps import longest_wait
 from trunk_ros.recording.signal.resample import SAME
 

@@ -8,7 +8,6 @@ import numpy as np
 
 from trunk_ros.compiled import Array
 from trunk_ros.data.merged_readings import between_messages
-from trunk_ros.levels import CLEARLY, ENOUGH, FEWEST, HALF, NEARLY, OUTLIERS, PART, THREEFOLD
 from trunk_ros.guards import TINY
 from trunk_ros.levels import CLEARLY, ENOUGH, FEWEST, HALF, NEARLY, OUTLIERS, PART, THREEFOLD
 from trunk_ros.recording.child_process import at_stamps

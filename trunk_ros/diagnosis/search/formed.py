@@ -11,8 +11,6 @@ from trunk_ros.compiled import Array
 from trunk_ros.derivatives import gradient
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.hypothesis import Hypothesis
-from trunk_ros.diagnosis.search.fit import Fit
-from trunk_ros.levels import CLEARLY, FAR_OFF, HALF, PART, SEVERAL, SLIGHT
 from trunk_ros.diagnosis.search.candidates import Candidate, extended, local_kinds
 from trunk_ros.diagnosis.search.fit import Fit, costed, fit
 from trunk_ros.effects import effect
