@@ -15,7 +15,7 @@ from trunk_ros.effects.now import Motion as Motion
 from trunk_ros.effects.now import Now as Now
 from trunk_ros.effects.now import View
 from trunk_ros.effects.now import borne as borne
-from trunk_ros.effects.swing import Swings
+from trunk_ros.effects.swing import Transients
 from trunk_ros.errors import ModelError
 from trunk_ros.parameter import FROM, GROWN, LATER, UNTIL, Parameter
 
@@ -178,9 +178,9 @@ class Effect(ABC):
         untold = UNTOLD if motion.one_way else ("time",) if motion.once else ()
         return () if cls.regime in untold else cls.forms
 
-    def transients(self, now: Now) -> Swings | None:
-        """How one joint may swing besides, from before the recording, by knocks, or by what nobody saw. It is
-        no part of a model: a diagnosis fits their sizes to each recording.
+    def transients(self, now: Now) -> Transients | None:
+        """How one joint may swing or creep besides, from before the recording, by knocks, or by what nobody
+        saw. It is no part of a model: a diagnosis fits their sizes to each recording.
         """
         return None
 

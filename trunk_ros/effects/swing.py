@@ -54,11 +54,37 @@ class Swings(NamedTuple):
     omega: Array
     zeta: Array
 
+    @property
+    def most(self) -> Array:
+        """(k,) rad: no limit."""
+        return np.full(len(self.moments), np.inf)
+
     def ways(self, stamp: Array) -> Array:
         """(n, 2): the two ways to swing, at ``stamp`` (n,) s."""
         out = np.zeros((len(stamp), 2))
         _swing(stamp, self.moments, self.omega, self.zeta, out)
         return out
+
+
+class Decays(NamedTuple):
+    """What went before the first sample and still dies away: with time constants (1 or 2,) s, and by no more
+    than ``most`` rad.
+    """
+
+    moments: Array
+    constants: Array
+    most: Array
+
+    def ways(self, stamp: Array) -> Array:
+        """(n, 2): how each dies away, at ``stamp`` (n,) s; 0 of one that there is not."""
+        out = np.zeros((len(stamp), 2))
+        since = np.maximum(stamp - self.moments[0], 0.0)
+        for k, constant in enumerate(self.constants):
+            out[:, k] = np.exp(-since / constant)
+        return out
+
+
+Transients = Swings | Decays
 
 
 def seen_again(unseen: Array, omega: float) -> Array:

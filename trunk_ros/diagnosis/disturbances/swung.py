@@ -25,17 +25,18 @@ def swung(span: Span, column: int, now: Now, blocks: Sequence[Effect], shown: Ar
             which = np.searchsorted(swings.moments, span.stamp, side="right") - 1
             shown, squares = shown.copy(), np.zeros(len(swings.moments))
             off = span.target[:, column] - shown
-            _swing(swings.ways(span.stamp), which, off, span.valid[:, column], shown, squares)
+            valid = span.valid[:, column]
+            _swing(swings.ways(span.stamp), which, swings.most, off, valid, shown, squares)
             far.append(squares)
     return shown, np.concatenate(far)
 
 
 @compiled
 def _swing(
-    ways: Array, which: np.ndarray, off: Array, valid: np.ndarray, shown: Array, squares: Array
+    ways: Array, which: np.ndarray, most: Array, off: Array, valid: np.ndarray, shown: Array, squares: Array
 ) -> None:
-    """Least squares of what is ``off`` (n,) by two ``ways`` (n, 2) from each moment on; ``which`` (n,) was
-    the last one, -1 before all.
+    """Least squares of what is ``off`` (n,) by two ``ways`` (n, 2) from each moment on, or by the first where
+    there is no other, each by ``most`` (k,) at most; ``which`` (n,) was the last one, -1 before all.
     """
     begin = 0
     while begin < len(off):
@@ -47,9 +48,15 @@ def _swing(
                 aa, ab, bb, at, bt = aa + a * a, ab + a * b, bb + b * b, at + a * off[end], bt + b * off[end]
             end += 1
         det = aa * bb - ab * ab
-        if moment >= 0 and det > ROUNDED * (aa + bb) ** 2 + ROUNDED:
-            first, second = (at * bb - bt * ab) / det, (bt * aa - at * ab) / det
-            squares[moment] = first * at + second * bt
+        if moment >= 0 and aa > ROUNDED and (bb == 0.0 or det > ROUNDED * (aa + bb) ** 2 + ROUNDED):
+            first, second = at / aa, 0.0
+            if bb > 0.0:
+                first, second = (at * bb - bt * ab) / det, (bt * aa - at * ab) / det
+            first = min(max(first, -most[moment]), most[moment])
+            second = min(max(second, -most[moment]), most[moment])
+            squares[moment] = max(
+                first * (2.0 * at - first * aa - 2.0 * second * ab) + second * (2.0 * bt - second * bb), 0.0
+            )
             for k in range(begin, end):
                 shown[k] += first * ways[k, 0] + second * ways[k, 1]
         begin = end

@@ -60,10 +60,16 @@ class WireStage(Stage):
     def _predict_alike(self, sight: Sight, index: int, pairs: Sequence[Seen]) -> Sequence[Array]:
         hypothesis, column = pairs[0]
         payload, blocks = payload_of(hypothesis), bind_together(pairs) if len(pairs) > 1 else []
-        if not blocks or any(_swings(sight, index, *pair) for pair in pairs):
+        if not blocks:
             return super()._predict_alike(sight, index, pairs)
         shown, _ = self._passed(sight, index, column, payload, blocks, len(pairs))
-        return [sight.views[index].span.measured(each) for each in shown.T]
+        span, now = sight.views[index].span, sight.now(index, column, payload)
+        out = [span.measured(each) for each in shown.T]
+        free = [_swings(sight, index, *pair) for pair in pairs]
+        return [
+            swung(span, column, now, pair[0].bound(column), one)[0] if swings else one
+            for pair, one, swings in zip(pairs, out, free, strict=True)
+        ]
 
     def path(self, sight: Sight, index: int, hypothesis: Hypothesis, column: int) -> Array:
         """(m,) the joint's own angle that a hypothesis predicts, at all steps of a span."""

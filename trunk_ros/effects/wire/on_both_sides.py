@@ -10,7 +10,7 @@ import numpy as np
 
 from trunk_ros.compiled import Array
 from trunk_ros.effects.effect import Effect, Now
-from trunk_ros.effects.swing import Swings
+from trunk_ros.effects.swing import Transients
 from trunk_ros.effects.wire.swinging_links import Links
 from trunk_ros.parameter import Parameter
 
@@ -38,7 +38,7 @@ class OnBothSides(Effect):
     def downstream(self) -> Effect | None:
         return None if self.form == HELD else self._sides[1]
 
-    def transients(self, now: Now) -> Swings | None:
+    def transients(self, now: Now) -> Transients | None:
         links = Links.on_wires(self, now) if self.form == HELD else None
         return None if links is None else links.freed(now)
 

@@ -8,6 +8,7 @@ from trunk_ros.compiled import Array, compiled, copied
 from trunk_ros.effects.core import Core
 from trunk_ros.effects.effect import Motion, Now
 from trunk_ros.effects.filters import kept, lag_step, lowpass
+from trunk_ros.effects.swing import Decays, Transients
 from trunk_ros.effects.wire.on_both_sides import UPSTREAM, OnBothSides
 from trunk_ros.guards import ROUNDED
 from trunk_ros.parameter import Parameter
@@ -158,6 +159,23 @@ class ViscoelasticCreep(OnBothSides):
             return self["gain"][None], self["time_constant"][None]
         gains = np.stack([self["gain"] * (1.0 - self["share_2"]), self["gain"] * self["share_2"]])
         return gains, np.stack([self["time_constant"], self["time_constant_2"]])
+
+    def transients(self, now: Now) -> Transients | None:
+        """What the wire still creeps by from before the first sample, by as much as motion like that of the
+        recording leads to.
+        """
+        gains, constants = self._shares(now)
+        most = float(np.abs(gains).sum())
+        if most == 0.0 or len(gains) > 2:
+            return None
+        return Decays(now.stamp[:1], constants, np.array([most]))
+
+    def _shares(self, now: Now) -> tuple[Array, Array]:
+        """What each mode (k,) creeps by over the range of the motion [rad], and its time constant [s]."""
+        if self.bears(self.form):
+            return self["compliance"] * np.ptp(now.load, axis=0), self["time_constant"]
+        gains, constants = self._modes()
+        return gains[:, 0] * np.ptp(now.gearbox[:, 0] * now.ratio[0]), constants[:, 0]
 
     def credible(self, now: Now, beside: bool = False) -> bool:
         """Slower than a lag, and not so slow that it is no more than another ratio."""
