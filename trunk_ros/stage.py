@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from trunk_ros.arm import Arm
-from trunk_ros.arm.arm import SERVO_OF_EACH, STEP
+from trunk_ros.arm.arm import SERVO_OF_EACH
 from trunk_ros.arm.body import Body
 from trunk_ros.arm.geometry import Geometry, changed
 from trunk_ros.compiled import Array
@@ -159,7 +159,7 @@ def servo_core(arm: Arm, effects: Sequence[Effect], now: Now, numbers: Array | N
         v_max=v_max,
         delay=delay,
         feedforward=feedforward,
-        ahead=0.5 * (1.0 - arm.step / STEP),
+        ahead=arm.ahead,
         pull=none,
         load=none,
         torque=none,

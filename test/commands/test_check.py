@@ -39,6 +39,8 @@ def test_numbers_of_the_servo_that_a_file_does_not_give_are_said_to_be_trunks(
     assert "v_max 1.5 rad/s, delay 0/0.02 s (not given, taken from trunk: kp, tau_v, v_max)" in late
     encoder = check(tmp_path, capsys, "joints: [a]", "[0.5]\n    servo:\n      counts_per_rev: 4096.0")
     assert "servo: not given: a diagnosis finds it in the recording" in encoder
+    faster = check(tmp_path, capsys, "joints: [a]", "[0.5]\n    servo:\n      kp: 31.0\n      step: 0.001")
+    assert "v_max 1.5 rad/s, step 0.001 s (not given, taken from trunk: tau_v, v_max)" in faster
     assert main(["check", "trunk"]) == 0
     assert "not given" not in capsys.readouterr().out
 

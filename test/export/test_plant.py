@@ -102,6 +102,15 @@ def test_servos_of_any_numbers_go_as_simulate_has_them(servo: dict[str, Any]) ->
     assert np.abs(off[20:]).max() < 1e-3
 
 
+@pytest.mark.parametrize("step", [1e-3, 0.0])
+def test_loops_that_run_faster_are_as_simulate_has_them(step: float) -> None:
+    model = Model(replace(ARM, step=step))
+    phi = Chain(model, "servo").run(setpoints(1)[:, 0], STAMP)[0]
+    np.testing.assert_allclose(
+        readings(model, 1)[:-1, 0], Chain(model, "wire").run(phi, STAMP)[0][1:], atol=1e-9
+    )
+
+
 def test_what_a_simulator_has_of_each_joint_is_taken_from_what_all_of_the_arm_share() -> None:
     each = np.array([0.1, 0.0, -0.2, 0.0, 0.0])
     theirs = Model(ARM, {"servo_bandwidth": {"relative": each, "form": "apart"}})

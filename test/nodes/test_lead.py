@@ -57,22 +57,28 @@ def test_what_a_limit_held_back_is_caught_up_with_and_not_overshot(size):
     assert there[-1] == pytest.approx(size, abs=1e-6)
 
 
-def led_with_derivatives(at):
-    """Where the servo goes (n,) rad, of 0.2 sin(2t)."""
-    lead = Lead(np.zeros(5), *SERVO)
+def led_with_derivatives(at, model=NOMINAL):
+    """Where the servo of a model goes (n,) rad, of 0.2 sin(2t)."""
+    lead = Lead(np.zeros(5), *SERVO, ahead=model.arm.ahead)
     out = []
     for k, now in enumerate(at):
         lead.elapse(now - at[k - 1] if k else 0.0)
         angle, speed = (0.2 * np.sin(2 * (now + lead.sight)), 0.4 * np.cos(2 * (now + lead.sight)))
         ahead = lead.ahead(np.full(5, speed), np.full(5, -4 * angle))
         out.append(lead.sent(lead.setpoint(angle + ahead)))
-    return Chain(NOMINAL, "servo").run(np.array(out), at)[0][:, 0]
+    return Chain(model, "servo").run(np.array(out), at)[0][:, 0]
 
 
 def test_what_is_led_is_followed_to_a_thousandth():
     angle = 0.2 * np.sin(2 * AT)
     assert np.abs(led_with_derivatives(AT) - angle)[100:].max() < 2e-4
     assert np.abs(plain(angle) - angle)[100:].max() > 1e-2
+
+
+def test_a_servo_whose_loop_runs_faster_is_followed_as_well():
+    faster = replace(NOMINAL, arm=replace(NOMINAL.arm, step=0.0))
+    angle = 0.2 * np.sin(2 * AT)
+    assert np.abs(led_with_derivatives(AT, faster) - angle)[100:].max() < 1e-4
 
 
 @pytest.mark.parametrize(("period", "uneven", "most"), [(0.01, 0.003, 4e-4), (0.05, 0.0, 6e-4)])

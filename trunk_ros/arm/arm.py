@@ -53,7 +53,8 @@ class Arm:
     feedforward: float | Array = 0.0
     counts_per_rev: float = 131072.0
     step: float = STEP
-    """s, in which the servos' loops run; 0: as if without end."""
+    """s, in which the servos' loops run; 0: as if without end. Of loops that the reference steps more finely
+    than STEP, as they are stiff, as much less."""
     wire: Wire | None = field(default=None)
     load_from: str = "weight"
     """One of LOADS: what the joints' moment is taken from. See trunk_ros/resistance.py."""
@@ -70,6 +71,13 @@ class Arm:
         for name in ("link_length", "link_mass", "compliance"):
             if len(getattr(self, name)):
                 check_length(getattr(self, name), len(self.joints), name)
+
+    @property
+    def ahead(self) -> float:
+        """Part of the reference's step by which loops in steps of their own see their shafts go on, as in
+        ``servo_loop``: 0 in STEP, 1/2 where they run as if without end.
+        """
+        return 0.5 * (1.0 - self.step / STEP)
 
     @property
     def is_planar(self) -> bool:

@@ -153,11 +153,15 @@ def _servo(arm: Arm, given: dict[str, Any]) -> str:
     """Its numbers, and which of them are not the file's."""
     import numpy as np
 
+    from trunk_ros.arm.arm import STEP
+
     units = {"kp": " 1/s", "tau_v": " s", "v_max": " rad/s"}
     if np.any(arm.delay):
         units["delay"] = " s"
     if np.any(arm.feedforward):
         units["feedforward"] = ""
+    if arm.step != STEP:
+        units["step"] = " s"
     numbers = ", ".join(f"{name} {_listed(getattr(arm, name))}{unit}" for name, unit in units.items())
     if not arm.servo_stated:
         return f"not given: a diagnosis finds it in the recording, a simulation takes {numbers}"

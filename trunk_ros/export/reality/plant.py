@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike
 from trunk_ros.arm.arm import STEP
 from trunk_ros.arm_model import ArmModel
 from trunk_ros.compiled import Array, compiled
-from trunk_ros.effects.servo.loop import CLOSE
+from trunk_ros.effects.servo.loop import CLOSE, rise
 from trunk_ros.errors import ModelError
 from trunk_ros.export.missing import missing
 from trunk_ros.export.reality.scene import Scene
@@ -88,7 +88,7 @@ class Plant:
         gearbox, velocity = before.copy(), self._velocity.copy()
         arm = self._arm
         kp, tau_v, v_max = self._loop
-        follow(wanted, dt, kp, tau_v, v_max, gearbox, velocity)
+        follow(wanted, dt, kp, tau_v, v_max, arm.ahead, gearbox, velocity)
         self._time += dt
         theta = self._theta + (gearbox - before) * arm.ratio
         now = Scene(arm, self.model.duration, dt, gearbox, theta, velocity * arm.ratio)
@@ -108,17 +108,26 @@ class Plant:
 
 @compiled
 def follow(
-    setpoints: Array, dt: float, kp: Array, tau_v: Array, v_max: Array, gearbox: Array, velocity: Array
+    setpoints: Array,
+    dt: float,
+    kp: Array,
+    tau_v: Array,
+    v_max: Array,
+    ahead: float,
+    gearbox: Array,
+    velocity: Array,
 ) -> None:
     """Move motor-side angles and velocities (environments, joints) by ``dt`` s under setpoints, in place, by
-    the nominal servo.
+    the nominal servo, ``ahead`` as in ``servo_loop``.
     """
     for j in range(setpoints.shape[1]):
         steps = max(int(np.ceil(dt / min(STEP, CLOSE / kp[j]) - 1e-9)), 1)
         h = dt / steps
-        smooth = -np.expm1(-h / tau_v[j]) if tau_v[j] < h else h / tau_v[j]
+        smooth = rise(h, tau_v[j], ahead)
         for e in range(setpoints.shape[0]):
             for _ in range(steps):
-                wanted = min(max(kp[j] * (setpoints[e, j] - gearbox[e, j]), -v_max[j]), v_max[j])
-                velocity[e, j] += smooth * (wanted - velocity[e, j])
-                gearbox[e, j] += h * velocity[e, j]
+                before = velocity[e, j]
+                error = setpoints[e, j] - (gearbox[e, j] + ahead * h * before)
+                wanted = min(max(kp[j] * error, -v_max[j]), v_max[j])
+                velocity[e, j] += smooth * (wanted - before)
+                gearbox[e, j] += h * (velocity[e, j] + ahead * (before - velocity[e, j]))

@@ -39,7 +39,7 @@ class Compensation:
         """The motors stand ``at`` (joints,) rad."""
         self._aim = self.out = at
         arm = self.model.arm
-        self._lead = Lead(at, self.gain, arm.tau_v, self.top_speed, arm.feedforward)
+        self._lead = Lead(at, self.gain, arm.tau_v, self.top_speed, arm.feedforward, arm.ahead)
         return self._lead
 
     def _use(self, model: Model) -> None:
@@ -48,7 +48,8 @@ class Compensation:
         self.lower, self.upper = gearbox_limits(model.arm)
         self.top_speed, self.gain = top_speed(model), position_gain(model)
         if self._lead is not None:
-            self._lead.use(self.gain, model.arm.tau_v, self.top_speed, model.arm.feedforward)
+            arm = model.arm
+            self._lead.use(self.gain, arm.tau_v, self.top_speed, arm.feedforward, arm.ahead)
         self._state: State | None = None
         self._fade = np.zeros(len(model.arm.joints))
 

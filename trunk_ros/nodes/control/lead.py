@@ -23,18 +23,31 @@ class Lead:
     """
 
     def __init__(
-        self, at: Array, gain: Array, tau_v: float | Array, top_speed: Array, fed: float | Array = 0.0
+        self,
+        at: Array,
+        gain: Array,
+        tau_v: float | Array,
+        top_speed: Array,
+        fed: float | Array = 0.0,
+        ahead: float = 0.0,
     ):
         """``at`` (joints,) rad: where the motors stand; the servo as in `use`."""
         self._wanted = self._sent = self._last = at
         self._slope = np.zeros_like(at)
         self._servo = fresh(at, self._slope)
         self._period, self._periods, self._seen = 0.0, 0, 0.0
-        self.use(gain, tau_v, top_speed, fed)
+        self.use(gain, tau_v, top_speed, fed, ahead)
 
-    def use(self, gain: Array, tau_v: float | Array, top_speed: Array, fed: float | Array = 0.0) -> None:
-        """``gain`` (joints,) 1/s of the position loop, ``tau_v`` s, ``top_speed`` (joints,) rad/s, and the
-        share of the setpoints' speed that the loop is ``fed``.
+    def use(
+        self,
+        gain: Array,
+        tau_v: float | Array,
+        top_speed: Array,
+        fed: float | Array = 0.0,
+        ahead: float = 0.0,
+    ) -> None:
+        """``gain`` (joints,) 1/s of the position loop, ``tau_v`` s, ``top_speed`` (joints,) rad/s, the share
+        of the setpoints' speed that the loop is ``fed``, and how fast it runs, ``ahead`` as in `servo_loop`.
         """
         self._early = np.asarray(fed / gain)  # s of the setpoints' motion that it sees beforehand
         self.pace = QUICKER * np.sqrt(gain / tau_v)
@@ -42,7 +55,7 @@ class Lead:
         self._late, self._answered = 2.0 / self.pace, 0.0
         self._most = float(np.mean(self._late))
         law = gain[None], row + tau_v, row + top_speed, row, row, row, row, row, none, row
-        self._law = *law, np.zeros((3, 1, len(gain)))
+        self._law = *law, np.zeros((3, 1, len(gain))), ahead
 
     @property
     def sight(self) -> float:
@@ -107,7 +120,7 @@ class Lead:
     def _after(self, servo: Array, setpoint: Array, dt: float) -> Array:
         """The ``servo``'s state ``dt`` s later."""
         after, held = servo.copy(), np.array([setpoint, setpoint])
-        servo_loop(held, np.array([0.0, dt]), *self._law, 0.0, 1, after, np.empty((1, len(setpoint))))
+        servo_loop(held, np.array([0.0, dt]), *self._law, 1, after, np.empty((1, len(setpoint))))
         return after
 
 
