@@ -29,6 +29,7 @@ from trunk_ros.recording.signal.resample import (
     resample,
     stops_to_measure,
 )
+from trunk_ros.recording.topics import COMPARED
 from trunk_ros.resistance import resistance
 from trunk_ros.servo_course import all_setpoints, as_the_servo_went, felt, given
 from trunk_ros.start import TURNS
@@ -145,7 +146,7 @@ def servo_joints(recording: Recording, model: ArmModel) -> tuple[str, ...]:
 
 def driven(recordings: Iterable[Recording], model: ArmModel, joints: tuple[str, ...]) -> list[Recording]:
     """The recordings that show what the servos of ``joints`` were asked, and where these went."""
-    both = (r for r in recordings if set(r.series) >= {"setpoints", "gearbox_states"})
+    both = (r for r in recordings if set(COMPARED["servo"]) <= r.series.keys())
     return [r for r in both if servo_joints(r, model) == joints]
 
 

@@ -79,7 +79,7 @@ def _leads(context: Context, column: int, joint: int, model: Model, recordings: 
 def _nearer(context: Context, column: int, joint: int, other: Context, model: Model) -> float:
     """How much of the way to what ``other`` predicts leaves least, beside another gain and delay: linear."""
     loop, told = Loop.of(context, column), numbers_of_each(model.arm)[:, joint]
-    there = replace(loop, context=other).residual(told)
+    there = replace(loop, context=replace(context, stage=other.stage)).residual(told)  # in the same noise
     return float(np.clip(_steps(loop, told, [there])[2], 0.0, 1.0))
 
 
