@@ -15,7 +15,7 @@ from trunk_ros.arm.body import TOGETHER
 from trunk_ros.data.sensing.physics import beside_physics, motion_of
 from trunk_ros.model import load_model
 
-ROOT = Path(__file__).parents[2]
+ROOT = Path(__file__).parents[1]
 
 
 def resident() -> int:
@@ -26,7 +26,7 @@ def resident() -> int:
 def printed(code: str) -> list[float]:
     """What ``code`` prints in a process of its own: another heap has free places of its own, of any size."""
     names = (
-        "import numpy as np; from test.diagnosis.test_heap import resident\n"
+        "import numpy as np; from test.test_heap import resident\n"
         "from trunk_ros.heap import RETURNED, keep_what_is_freed\n"
     )
     command = [sys.executable, "-c", names + code]
