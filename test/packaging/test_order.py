@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from test.packaging.imports import ROOT, imported, modules
+from test.packaging.imports import ROOT, imported, modules, reached, within
 from trunk_ros.effects import registry
 
 IDS = set(registry())
@@ -36,6 +36,10 @@ def test_circles_are_seen():
 def test_no_file_imports_itself_by_way_of_others():
     files = {name_of(path): path for path in modules("trunk_ros") if path.name != "__init__.py"}
     assert circles({name: imported(path) & set(files) for name, path in files.items()}) == []
+
+
+def test_what_is_found_before_physics_knows_nothing_of_the_diagnosis():
+    assert within(reached(modules("trunk_ros/data")), "trunk_ros.diagnosis") == []
 
 
 def ids_in(text: str) -> Iterator[tuple[int, str]]:
