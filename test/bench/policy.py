@@ -83,7 +83,7 @@ def _scaled(number: str, factor: float) -> str:
 
 def constants(root: Path = ROOT) -> list[Constant]:
     """All numbers, and rows of numbers, that have a name in capitals in the diagnosis; not in its reports."""
-    own = ("diagnosis", "data", "levels.py", "machine.py", "heap.py")
+    own = ("diagnosis", "data", "levels.py", "machine.py", "heap.py", "units.py")
     rooms = [root / PACKAGE / name for name in own]
     files = sorted(p for room in rooms for p in (room.rglob("*.py") if room.is_dir() else [room]))
     return [each for path in files if "report" not in path.parts for each in _of(path, root)]

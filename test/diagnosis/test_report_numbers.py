@@ -13,9 +13,9 @@ from trunk_ros.diagnosis.report.data import numbers
 from trunk_ros.diagnosis.report.units import fall, powers, rounded, times
 from trunk_ros.diagnosis.verdict.finding import evidence_of
 from trunk_ros.diagnosis.verdict.findings import statement_of
-from trunk_ros.diagnosis.verdict.units import as_read
 from trunk_ros.evaluate.score import Row
 from trunk_ros.evaluate.table import show
+from trunk_ros.units import as_read
 from trunk_ros.words import significant
 
 

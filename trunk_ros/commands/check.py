@@ -93,7 +93,7 @@ def of_model(model: Model, given: dict[str, Any]) -> list[str]:
     parameters.
     """
     from trunk_ros.arm.parameters import ANY_ANGLE
-    from trunk_ros.diagnosis.verdict.units import sized
+    from trunk_ros.units import sized
 
     arm = model.arm
     rows = [("joint", "ratio", "backlash", "limits")]

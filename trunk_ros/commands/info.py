@@ -110,7 +110,7 @@ def model_for(recording: Recording, name: str | None) -> tuple[Recording, Model]
     """The model asked for; else the nominal arm where the joints are its, or ``direct``, with the links of a
     recorded URDF as ``diagnose`` takes them, and the recording with its units.
     """
-    from trunk_ros.diagnosis.described import described
+    from trunk_ros.diagnosis.nominal_model import described
     from trunk_ros.model import load_model
     from trunk_ros.transmission import by_joint
 
@@ -175,7 +175,7 @@ def spoken(found: dict[str, Any]) -> list[str]:
 
 
 def _stage(stage: str, told: dict[str, Any], units: dict[str, str]) -> list[str]:
-    from trunk_ros.diagnosis.verdict.units import sized
+    from trunk_ros.units import sized
 
     if not told["possible"]:
         return [f"  {stage:6}no: {told['missing']}"]

@@ -14,11 +14,11 @@ from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.disturbances.knocks import knocks_told
 from trunk_ros.diagnosis.pace import skew_told
 from trunk_ros.diagnosis.search.fit import Fit
-from trunk_ros.diagnosis.verdict.units import sized
 from trunk_ros.levels import CLEARLY
 from trunk_ros.recording.observed import Observed
 from trunk_ros.recording.recording import Recording
 from trunk_ros.recording.topics import TOPICS
+from trunk_ros.units import sized
 
 
 def bursts_told(context: Context, index: int) -> Iterator[Observed]:

@@ -7,8 +7,8 @@ from dataclasses import replace
 from pathlib import Path
 
 from trunk_ros.data.put_right import put_right
-from trunk_ros.diagnosis.described import described
 from trunk_ros.diagnosis.diagnoser import Diagnoser, Progress
+from trunk_ros.diagnosis.nominal_model import described
 from trunk_ros.diagnosis.resources.cores import one_thread
 from trunk_ros.diagnosis.servos.nominal_servo import Servos
 from trunk_ros.diagnosis.simulators.against import identified, nominal_for

@@ -12,8 +12,8 @@ from rich.console import Console
 from rich.table import Table
 
 from trunk_ros.data.noise import is_none
-from trunk_ros.diagnosis.verdict.units import SMALL
 from trunk_ros.evaluate.score import Row
+from trunk_ros.units import SMALL
 from trunk_ros.words import significant
 
 ROUNDING = "≈ 0"  # what is no more than rounding

@@ -11,7 +11,6 @@ from typing import Any
 
 import numpy as np
 
-from trunk_ros.diagnosis.verdict.units import as_read
 from trunk_ros.errors import TrunkError
 from trunk_ros.fleet.watch.monitor import LOOK, Change, Monitor
 from trunk_ros.fleet.watch.second_look import SecondLook
@@ -26,6 +25,7 @@ from trunk_ros.nodes.graph.messages import nanoseconds, time_message
 from trunk_ros.nodes.graph.process import run_node
 from trunk_ros.nodes.graph.ros import DiagnosticArray, DiagnosticStatus, JointState, KeyValue, PoseStamped
 from trunk_ros.nodes.parameters import PARAMETERS
+from trunk_ros.units import as_read
 
 STATES = ("trunk/setpoints", "trunk/gearbox_states", "joint_states")
 KEPT = ("trunk/reference",)  # for the bag alone

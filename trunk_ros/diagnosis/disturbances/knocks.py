@@ -17,11 +17,11 @@ from trunk_ros.diagnosis.discrepancy.jumps import jumps
 from trunk_ros.diagnosis.disturbances.thrown import goes_on, rests, throws
 from trunk_ros.diagnosis.hypothesis import Hypothesis
 from trunk_ros.diagnosis.search.score import BETTER, SIGNIFICANT, chance, choice
-from trunk_ros.diagnosis.verdict.units import sized
 from trunk_ros.levels import ENOUGH, FEWEST, PART
 from trunk_ros.recording.observed import Observed
 from trunk_ros.recording.signal.resample import SLOW
 from trunk_ros.recording.topics import TOPICS
+from trunk_ros.units import sized
 
 BRIEF = 8  # samples in which a knock is over; twice as many at least tell what is on each side
 

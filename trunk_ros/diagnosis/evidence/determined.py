@@ -11,12 +11,12 @@ from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.hypothesis import Free, bounds
 from trunk_ros.diagnosis.search.fit import Fit, groups
 from trunk_ros.diagnosis.search.residuals import Residuals
-from trunk_ros.diagnosis.verdict.units import unit_on
 from trunk_ros.effects import effect
 from trunk_ros.effects.bank import Bank
 from trunk_ros.effects.curve import Curve
 from trunk_ros.guards import BLIND, ROUNDED
 from trunk_ros.levels import NEARLY, ROUGH
+from trunk_ros.units import unit_on
 
 
 @dataclass(frozen=True)

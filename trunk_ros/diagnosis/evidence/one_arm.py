@@ -19,9 +19,9 @@ from trunk_ros.diagnosis.search.fit import refit
 from trunk_ros.diagnosis.search.greedy import search
 from trunk_ros.diagnosis.search.long import granted
 from trunk_ros.diagnosis.sparse import apart
-from trunk_ros.diagnosis.verdict.units import sized
 from trunk_ros.effects import effect
 from trunk_ros.levels import CLEARLY, FEWEST, NOTABLE
+from trunk_ros.units import sized
 
 TELLS = NOTABLE**2  # times the power of noise, or of what is left where an effect holds: less tells nothing
 

@@ -23,9 +23,9 @@ from trunk_ros.diagnosis.resources.cores import each
 from trunk_ros.diagnosis.resources.work import Work
 from trunk_ros.diagnosis.search.fit import Fit
 from trunk_ros.diagnosis.search.long import WORK
-from trunk_ros.diagnosis.verdict.units import per_second, placed, sized
 from trunk_ros.levels import CLEARLY, HARDLY, TENFOLD
 from trunk_ros.trajectory import Trajectory
+from trunk_ros.units import per_second, placed, sized
 from trunk_ros.words import significant
 
 DESIGNED = WORK / 12.0  # joint-steps, a second: then no further pair and no further motion is tried

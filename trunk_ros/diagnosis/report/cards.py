@@ -14,9 +14,9 @@ from trunk_ros.diagnosis.report.verdict import place
 from trunk_ros.diagnosis.verdict.answer import Answer
 from trunk_ros.diagnosis.verdict.differences import is_excess
 from trunk_ros.diagnosis.verdict.finding import Finding
-from trunk_ros.diagnosis.verdict.units import UNTOLD, is_open
 from trunk_ros.effects import effect, registry
 from trunk_ros.own_time import TIME
+from trunk_ros.units import UNTOLD, is_open
 from trunk_ros.words import listed
 
 OWN_TIME = " It was seen in this recording: whether another one repeats it is not known."

@@ -15,11 +15,11 @@ from trunk_ros.diagnosis.evidence.spreads import Spreads
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
 from trunk_ros.diagnosis.verdict.finding import Finding, evidence_of
 from trunk_ros.diagnosis.verdict.findings import ARM, VARIES_WITH, unchanged, value_of
-from trunk_ros.diagnosis.verdict.units import sized, unit_on
 from trunk_ros.effects import Effect, confused, effect
 from trunk_ros.effects.bank import Bank
 from trunk_ros.levels import ROUGH, SURE
 from trunk_ros.parameter import Parameter
+from trunk_ros.units import sized, unit_on
 
 MODEL, SIMULATION = "the model", "your simulation"
 

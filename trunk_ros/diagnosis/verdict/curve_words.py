@@ -9,10 +9,10 @@ import numpy as np
 
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.hypothesis import Term
-from trunk_ros.diagnosis.verdict.units import unit_of, unit_on
 from trunk_ros.effects.curve import HIGH, KNOTS, LOW, ON, SPEED_OF, VALUES, Curve, words_of
 from trunk_ros.effects.wire.unknown_cycle import UnknownCycle
 from trunk_ros.effects.wire.unknown_jumps import MOMENTS, UnknownJumps
+from trunk_ros.units import unit_of, unit_on
 
 REGIME_OF = {
     "position": "posture",

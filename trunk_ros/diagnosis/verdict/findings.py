@@ -21,13 +21,13 @@ from trunk_ros.diagnosis.stages.stage import Stage
 from trunk_ros.diagnosis.verdict import bank_words, curve_words
 from trunk_ros.diagnosis.verdict.answer import Unexplained
 from trunk_ros.diagnosis.verdict.finding import UNKNOWN, Finding, evidence_of
-from trunk_ros.diagnosis.verdict.units import as_read, is_open, unit_on
 from trunk_ros.effects import Effect, effect
 from trunk_ros.effects.bank import Bank
 from trunk_ros.effects.curve import Curve, words_of
 from trunk_ros.guards import TINY
 from trunk_ros.levels import HALF, MOST, ROUGH, SLIGHT, SURE
 from trunk_ros.parameter import Parameter, leading
+from trunk_ros.units import as_read, is_open, unit_on
 from trunk_ros.words import significant
 
 VARIES_WITH: dict[str, list[str]] = {

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from trunk_ros.diagnosis.verdict.units import as_read
+from trunk_ros.units import as_read
 
 if TYPE_CHECKING:
     from trunk_ros.diagnosis.verdict.answer import Answer

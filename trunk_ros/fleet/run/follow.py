@@ -20,7 +20,6 @@ from trunk_ros.diagnosis.servos.nominal_servo import Servos
 from trunk_ros.diagnosis.stages.servo import ServoStage
 from trunk_ros.diagnosis.stages.stage import Stage
 from trunk_ros.diagnosis.stages.wire import WireStage
-from trunk_ros.diagnosis.verdict.units import unit_on
 from trunk_ros.effects import effect
 from trunk_ros.fleet.inputs.files import here
 from trunk_ros.fleet.run.examine import Files, told, travel
@@ -29,6 +28,7 @@ from trunk_ros.fleet.together.arm_effects import Followed, on_joints
 from trunk_ros.model import Model
 from trunk_ros.recording.read import read_recording
 from trunk_ros.recording.recording import Recording
+from trunk_ros.units import unit_on
 
 ROUNDS = 2  # fits, each with the noise and the postures of the one before
 

@@ -15,8 +15,8 @@ from typing import Any
 
 from trunk_ros.arm.arm import SERVO_OF_EACH
 from trunk_ros.data.put_right import put_right
-from trunk_ros.diagnosis.described import described
 from trunk_ros.diagnosis.diagnoser import Diagnoser
+from trunk_ros.diagnosis.nominal_model import described
 from trunk_ros.diagnosis.servos.nominal_servo import Servos
 from trunk_ros.diagnosis.simulators.against import SERVO
 from trunk_ros.errors import TrunkError

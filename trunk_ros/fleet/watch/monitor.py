@@ -8,12 +8,12 @@ import numpy as np
 
 from trunk_ros.compiled import Array
 from trunk_ros.data.noise import noise_of
-from trunk_ros.diagnosis.verdict.units import sized
 from trunk_ros.fleet.watch.detector import Detector
 from trunk_ros.fleet.watch.looks import GLITCH, Alarm, Usual, in_words, names
 from trunk_ros.fleet.watch.regimes import REGIMES, SCATTER, Motion
 from trunk_ros.fleet.watch.streams import Piece, Stage
 from trunk_ros.model import Model
+from trunk_ros.units import sized
 from trunk_ros.words import significant
 
 WEEK = 604_800.0  # s
