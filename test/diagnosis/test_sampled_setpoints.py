@@ -45,6 +45,7 @@ def test_samples_of_a_profile_are_no_quicker_servo(fastest: float) -> None:
     """Half of the time from one to the next had been a ``servo_bandwidth`` of 0.11."""
     found = diagnose(sampled(fastest), model=_stated())
     assert (found.verdict, found.model.setpoints) == ("no_mismatch", "sampled")
+    assert any("samples of what moves on" in note for note in found.quality["sampled"]["notes"])
 
 
 @pytest.mark.parametrize("kp", [20.0, 22.2, 26.0])

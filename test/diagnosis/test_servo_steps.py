@@ -47,6 +47,8 @@ def test_a_loop_that_runs_faster_is_no_mismatch(step: float, tmp_path: object) -
     found = diagnose(faster(step), model=_stated())
     assert (found.verdict, names(found)) == ("no_mismatch", [])
     assert found.model.arm.step == pytest.approx(step, abs=3e-4)
+    (quality,) = found.quality.values()
+    assert any("(servo.step)" in note for note in quality["notes"])
     save_model(found.model, f"{tmp_path}/model.yaml")
     assert load_model(f"{tmp_path}/model.yaml").arm.step == found.model.arm.step
 

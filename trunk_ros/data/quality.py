@@ -9,7 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from trunk_ros.arm_model import ArmModel
+from trunk_ros.arm.arm import STEP
+from trunk_ros.arm_model import SAMPLED, ArmModel
 from trunk_ros.data.load_cells import cell_remarks
 from trunk_ros.data.mix_ups import MixUp, doubtful
 from trunk_ros.data.torque import torque_remarks
@@ -69,6 +70,19 @@ def brevity(recording: Recording) -> list[str]:
     ]
 
 
+def servo_remarks(recording: Recording, model: ArmModel | None) -> list[str]:
+    """What servos are taken for in a model, where that is not what a model says that says nothing of it."""
+    if model is None or "setpoints" not in recording.series:
+        return []
+    said = []
+    if model.setpoints == SAMPLED:
+        said.append("taken for samples of what moves on between them (recording.setpoints)")
+    if model.arm.step != STEP:
+        loops = f"each {1e3 * model.arm.step:.2g} ms" if model.arm.step > 0.0 else "without steps"
+        said.append(f"servos are taken to follow them in loops that run {loops}, not each 2 ms (servo.step)")
+    return [f"{TOPICS['setpoints']}: {one}" for one in said]
+
+
 def quality_of_recording(
     recording: Recording, model: ArmModel, mixed: Sequence[MixUp] = (), found: ArmModel | None = None
 ) -> dict[str, Any]:
@@ -80,6 +94,7 @@ def quality_of_recording(
     remarks += [f"{one.statement}." for one in mixed if not one.certain]
     remarks += cell_remarks(recording, model)
     remarks += brevity(recording)
+    remarks += servo_remarks(recording, found)
     torque = torque_remarks(recording, model, found)
     odd = [*left_out(recording, model), *doubtful(recording, model, mixed)]
     notes = [*recording.notes, *odd, *torque, *remarks]
