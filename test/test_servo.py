@@ -13,7 +13,8 @@ from hypothesis import strategies as st
 from test.effects.example import arm_of, motion, stamps
 from trunk_ros.chain import Chain
 from trunk_ros.compiled import Array
-from trunk_ros.effects.servo.loop import EDGE, beyond, servo_loop, servo_loops
+from trunk_ros.effects.servo.asked import EDGE, beyond
+from trunk_ros.effects.servo.loop import servo_loop, servo_loops
 from trunk_ros.model import Model, load_model
 from trunk_ros.nodes.bus import SimulatedBus
 from trunk_ros.stage import speeds
@@ -252,6 +253,24 @@ def test_what_begins_or_ends_in_mid_run_is_the_servo_with_it_and_without_one_aft
     off = np.abs(whole[half:] - then)
     assert off.max() < 0.1 * size.max()
     assert off[-100:].max() < 2e-3 * size.max()
+
+
+@pytest.mark.parametrize("late", [0.0101, 0.0113, 0.0119])
+@pytest.mark.parametrize("columns", [1, 4])
+def test_a_late_jump_begins_to_be_followed_when_it_is_there(late: float, columns: int) -> None:
+    """At the top speed the mean of the setpoints of a step says nothing of when in it they jump."""
+    kp, tau, v_max, fine, stamp = 20.0, 0.02, 1.5, 1e-5, stamps(2, 100.0)
+    setpoint = np.repeat(np.where(stamp >= 0.2, 1.0, 0.0)[:, None], columns, axis=1)
+    arm = replace(arm_of(columns), kp=kp, tau_v=tau, v_max=v_max, delay=late, step=0.0)
+    got = Chain(Model(arm), "servo").run(setpoint, stamp)[0]
+    phi, v, out = 0.0, 0.0, []
+    for k in range(len(stamp) * 1000):
+        if k % 1000 == 0:
+            out.append(phi)
+        asked = 1.0 if k * fine >= 0.2 + late - 1e-9 else 0.0
+        v += fine * (min(max(kp * (asked - phi), -v_max), v_max) - v) / tau
+        phi += fine * v
+    assert np.abs(got - np.array(out)[:, None]).max() < 2e-4
 
 
 @pytest.mark.parametrize(("held", "ahead"), [(0.0, 0.0), (0.004, 0.0), (0.0, 0.5), (0.004, 0.2)])

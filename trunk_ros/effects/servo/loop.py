@@ -6,11 +6,11 @@ import numpy as np
 
 from trunk_ros.arm.arm import STEP
 from trunk_ros.compiled import Array, compiled
+from trunk_ros.effects.servo.asked import ask, beyond, speed_asked
 from trunk_ros.guards import ROUNDED
 from trunk_ros.sine import sine
 
 CLOSE = 0.25  # of the time that a position loop takes: longer steps would make a stiff one swing
-EDGE = 0.01  # of a dead zone, over which the loop's answer rises: with a jump no two runs would agree
 LONGEST = 30.0  # s without a new setpoint, after which a servo stands
 SEVERAL = 4  # columns from which on it pays to step them side by side; twice as many of such as nothing rubs
 BLOCK = 8  # steps of which setpoints are looked up at once
@@ -27,19 +27,6 @@ def at(numbers: Array, row: int, column: int) -> float:
     """What holds in a row, of numbers (1 or n, columns)."""
     value: float = numbers[min(row, len(numbers) - 1), column]
     return value
-
-
-@compiled
-def beyond(error: float, zone: float) -> float:
-    """What a loop answers to of an error; clear of the zone's edge without the divisions, for which each step
-    would wait.
-    """
-    size = abs(error)
-    if size >= zone * (1.0 + EDGE):
-        return error
-    if size <= zone * (1.0 - EDGE):
-        return 0.0 * error
-    return error * min(max((size / zone - 1.0) / EDGE + 0.5, 0.0), 1.0)
 
 
 @compiled
@@ -87,8 +74,8 @@ def servo_loop(
     position loop may ask for, the rest before it.
     ``ahead`` of a step, the loop sees its shaft go on, and the shaft has the speed that it had: 0 as the
     reference, 1/2 as one that is integrated exactly, but for the square of the step.
-    Within a step that late setpoints fall into, their time-weighted mean acts: the result is smooth in the
-    delay.
+    Within a step that late setpoints fall into, the time-weighted mean of what each asks for acts: the result
+    is smooth in the delay.
     """
     rows, columns = setpoint.shape
     for j in range(columns):
@@ -118,11 +105,12 @@ def servo_loop(
                         held -= 1
                     while held + 1 < k and stamp[held + 1] <= t + 1e-9:
                         held += 1
-                    target, after = setpoint[held, j], held + 1
+                    mean, after, changes = setpoint[held, j], held + 1, False
                     while after < k and stamp[after] < t + h - 1e-9:
-                        target += (t + h - stamp[after]) / h * (setpoint[after, j] - setpoint[after - 1, j])
+                        mean += (t + h - stamp[after]) / h * (setpoint[after, j] - setpoint[after - 1, j])
+                        changes = changes or setpoint[after, j] != setpoint[after - 1, j]
                         after += 1
-                    target += pulled
+                    target = mean + pulled
                     if size != 0.0:
                         target += size * sine(cycles * phi + phase)
                     tension = bears
@@ -131,13 +119,11 @@ def servo_loop(
                         if rubs != 0.0:
                             tension -= rubs * (phi - stuck) / reach[j]
                     error = target + (1.0 - past) * tension - (phi + ahead * h * v)
-                    if zone > 0.0:
-                        error = beyond(error, zone)
-                    v_ref = gain * error
-                    if v_ref > most:
-                        v_ref = most
-                    elif v_ref < -most:
-                        v_ref = -most
+                    if changes:
+                        rest = error - mean
+                        v_ref = speed_asked(setpoint, stamp, j, k, held, t, h, gain, rest, zone, most)
+                    else:
+                        v_ref = min(max(gain * beyond(error, zone), -most), most)
                     v_ref += gain * past * tension
                     before = v
                     v += smooth * (v_ref - v)
@@ -176,7 +162,8 @@ def servo_loops(
     step, h, smooth, tension = (
         np.empty(columns), np.empty(columns), np.empty(columns), np.empty(columns)
     )  # fmt: skip
-    known, asked = np.full(columns, -1.0), np.zeros((BLOCK, columns))
+    known, asked, whole = np.full(columns, -1.0), np.zeros((BLOCK, columns)), np.empty(columns)
+    mixed, first_of = np.zeros(BLOCK, np.bool_), np.zeros((BLOCK, columns), np.int64)
     clocked = np.zeros(columns, np.bool_)  # as the column before
     for j in range(columns):
         step[j] = min(STEP, CLOSE / kp[j])
@@ -207,23 +194,18 @@ def servo_loops(
             bore[j] = load[k - skip, j]
         for first in range(0, most, BLOCK):
             last = min(first + BLOCK, most)
-            _ask(
-                setpoint,
-                stamp,
-                k,
-                span,
-                delay,
-                h,
-                substeps,
-                clocked,
-                pull[k - skip],
-                held,
-                first,
-                last,
-                asked,
-            )
+            ask(
+                setpoint, stamp, k, span, delay, h, substeps, clocked, held, first, last,
+                asked, first_of, mixed,
+            )  # fmt: skip
             for i in range(first, last):
-                error = asked[i - first]
+                row = i - first
+                error, mix = asked[row], mixed[row]
+                if mix:
+                    for j in range(columns):
+                        whole[j] = error[j]
+                for j in range(columns):
+                    error[j] += pull[k - skip, j]
                 if cogs:
                     for j in range(columns):
                         error[j] += cogging[0, j] * sine(cogging[1, j] * phi[j] + cogging[2, j])
@@ -236,6 +218,9 @@ def servo_loops(
                             tension[j] -= rub[j] * (phi[j] - stuck[j]) / reach[j]
                 for j in range(columns):
                     error[j] = error[j] + (1.0 - torque[j]) * tension[j] - (phi[j] + ahead * h[j] * v[j])
+                if mix:
+                    for j in range(columns):
+                        whole[j] = error[j] - whole[j]
                 if zones:
                     for j in range(columns):
                         zone = dead_zone[k - skip, j]
@@ -246,53 +231,15 @@ def servo_loops(
                     v_ref = kp[j] * error[j]
                     v_ref = v_max[j] if v_ref > v_max[j] else v_ref  # not min, which could not be vectorised
                     v_ref = -v_max[j] if v_ref < -v_max[j] else v_ref
+                    if mix and goes_on and first_of[row, j] >= 0:
+                        begun, zone = first_of[row, j], dead_zone[k - skip, j]
+                        t = stamp[k] - span + i * h[j] - delay[j]
+                        v_ref = speed_asked(
+                            setpoint, stamp, j, k, begun, t, h[j], kp[j], whole[j], zone, v_max[j]
+                        )
                     v_ref += kp[j] * torque[j] * tension[j]
                     before = v[j]
                     v[j] += (smooth[j] if goes_on else 0.0) * (v_ref - before)
                     phi[j] += (h[j] if goes_on else 0.0) * (v[j] + ahead * (before - v[j]))
         for j in range(columns):
             out[k - skip, j] = phi[j]
-
-
-@compiled
-def _ask(
-    setpoint: Array,
-    stamp: Array,
-    k: int,
-    span: float,
-    delay: Array,
-    h: Array,
-    substeps: np.ndarray,
-    clocked: np.ndarray,
-    pull: Array,
-    held: np.ndarray,
-    first: int,
-    last: int,
-    asked: Array,
-) -> None:
-    """What the loops of each column are asked for (last - first, columns) at some of the steps before stamp
-    ``k``; ``held`` (columns,): the setpoints that act.
-    """
-    columns = len(h)
-    j = 0
-    while j < columns:
-        end = j + 1
-        while end < columns and clocked[end]:
-            end += 1
-        now = held[j]
-        for i in range(first, min(last, substeps[j])):
-            t = stamp[k] - span + i * h[j] - delay[j]
-            while now + 1 < k and stamp[now + 1] <= t + 1e-9:
-                now += 1
-            for m in range(j, end):
-                asked[i - first, m] = setpoint[now, m]
-            after = now + 1
-            while after < k and stamp[after] < t + h[j] - 1e-9:
-                share = (t + h[j] - stamp[after]) / h[j]
-                for m in range(j, end):
-                    asked[i - first, m] += share * (setpoint[after, m] - setpoint[after - 1, m])
-                after += 1
-            for m in range(j, end):
-                asked[i - first, m] += pull[m]
-        held[j] = now
-        j = end
