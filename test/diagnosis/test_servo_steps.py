@@ -58,6 +58,17 @@ def test_what_is_wrong_with_its_gain_is_still_named() -> None:
     assert (found.verdict, names(found)) == ("explained", ["servo_bandwidth"])
 
 
+def test_what_one_servo_has_besides_hides_no_steps_of_all() -> None:
+    """It leaves forty times what the steps of the others do, which passed for a delay of all."""
+    run = faster(1e-4, kp=24.0)
+    went = run.series["gearbox_states"]
+    went.position[:, 0] += 2e-3 * np.sin(8.0 * went.position[:, 0])
+    found = diagnose(run, model=_stated())
+    assert found.model.arm.step < 5e-4
+    assert "servo_bandwidth" in names(found)
+    assert "servo_delay" not in names(found)
+
+
 def test_the_references_own_steps_stay() -> None:
     for kp in (20.0, 24.0):
         found = diagnose(recorded_servos(PLAIN | {"kp": (kp,) * 3}, after=0.0), model=_stated())

@@ -37,8 +37,7 @@ from trunk_ros.recording.recording import Recording
 STARTS = (5.0, 20.0, 80.0, 320.0), (0.1, 0.5), (0.0, 0.02, 0.08)
 """kp [1/s], kp tau_v, delay [s]."""
 TOPS = (1.0, THREEFOLD)  # v_max over the highest speed seen: one that is reached, and one that is left open
-Method = Literal["dogbox", "trf"]
-METHODS: tuple[Method, ...] = ("dogbox", "trf")  # one goes on where the other stands
+METHODS: tuple[Literal["dogbox", "trf"], ...] = ("dogbox", "trf")  # one goes on where the other stands
 VALLEYS = STEP * np.array([-1.0, -0.5, 0.5, 1.0])  # s: a loop that is stepped is best at some delays
 FED = (0.3, 1.0)  # shares of the setpoint's speed that are tried first
 

@@ -25,6 +25,7 @@ from trunk_ros.parameter import leading
 RECORDED = "effort"  # what effects need that go by a recorded torque
 STIFFEST = 2000.0  # 1/s: what answers faster is where it was asked to be, for all that can be seen
 SWINGS = 1.0 / (2.0 * HALF) ** 2  # kp tau_v of a loop with half of critical damping: no servo swings longer
+HARDLY_MORE = 2.0  # times the squares of noise: as much again may be what no formula of a loop says
 TOP_SPEED = np.array(SERVO_OF_EACH) == "v_max"
 STEPS = np.array([0.01, 0.01, 0.01, 1e-3, 0.01])  # of logarithms, s, and a share
 
@@ -157,7 +158,7 @@ def numbers_of(x: Array, tau_v: float | None = None) -> Array:
 
 def is_explained(loop: Loop, cost: float) -> bool:
     """Whether what is left is hardly more than noise."""
-    return cost <= 2.0 * loop.context.count(loop.column)
+    return cost <= HARDLY_MORE * loop.context.count(loop.column)
 
 
 def with_top(loop: Loop, best: Array, other: Array) -> Array:
