@@ -54,3 +54,12 @@ def test_whoever_is_held_up_goes_on_where_it_was_and_what_is_lost_is_missing_in_
     assert seen.held.all()
     assert seen.off.max() < 1e-4
     assert bridged(stalls) is stalls
+
+
+@pytest.mark.parametrize("lost", [False, True])
+def test_samples_that_jitter_are_late_and_none_is_missing(lost):
+    stamp = np.arange(0.0, 60.0, 0.03) + 0.009 * np.random.default_rng(0).uniform(-1.0, 1.0, 2000)
+    assert (np.diff(stamp) > 1.5 * np.median(np.diff(stamp))).sum() > 20
+    there = np.ones(2000, dtype=bool)
+    there[[300, 301, 302, 900, 901]] = not lost
+    assert gaps(stamp[there]).tolist() == ([299, 896] if lost else [])

@@ -7,7 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.interpolate import CubicHermiteSpline
 
+from trunk_ros.levels import SURE
 from trunk_ros.recording.recording import Floats, JointSeries
+from trunk_ros.recording.signal.encoder import MEDIAN_TO_STD
 from trunk_ros.recording.signal.fill import fill, hold
 from trunk_ros.recording.signal.resample import SAME, longest_gap
 
@@ -40,11 +42,15 @@ def runs(where: np.ndarray) -> np.ndarray:
 
 
 def gaps(stamp: Floats, longest: float = np.inf) -> np.ndarray:
-    """(k,): samples after which others of a steady stream are missing, for at most ``longest`` s."""
+    """(k,): samples after which others of a steady stream are missing, for at most ``longest`` s: it takes
+    longer than samples that jitter.
+    """
     between = np.diff(stamp)
     if len(between) < 3:
         return np.empty(0, dtype=np.intp)
-    wide = between > GAP * float(np.median(between))
+    period = float(np.median(between))
+    jitter = MEDIAN_TO_STD * float(np.median(np.abs(between - period)))
+    wide = between > max(GAP * period, period + SURE * jitter)
     steady = float(np.mean(~wide)) >= STEADY
     return np.flatnonzero(wide & (between <= longest) & steady)
 
