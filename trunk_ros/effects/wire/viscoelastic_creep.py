@@ -162,13 +162,13 @@ class ViscoelasticCreep(OnBothSides):
 
     def transients(self, now: Now) -> Transients | None:
         """What the wire still creeps by from before the first sample, by as much as motion like that of the
-        recording leads to.
+        recording leads to, where most of it dies away in the recording: else it were no more than a zero.
         """
         gains, constants = self._shares(now)
-        most = float(np.abs(gains).sum())
-        if most == 0.0 or len(gains) > 2:
+        most, dies = float(np.abs(gains).sum()), 2.0 * constants <= now.stamp[-1] - now.stamp[0]
+        if most == 0.0 or len(gains) > 2 or not dies.any():
             return None
-        return Decays(now.stamp[:1], constants, np.array([most]))
+        return Decays(now.stamp[:1], constants[dies], np.array([most]))
 
     def _shares(self, now: Now) -> tuple[Array, Array]:
         """What each mode (k,) creeps by over the range of the motion [rad], and its time constant [s]."""
