@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from trunk_ros.diagnosis import aside as module
+from trunk_ros.diagnosis.resources import aside as module
 from trunk_ros.diagnosis.resources.aside import aside, size_of
 from trunk_ros.recording.recording import JointSeries, Recording
 

@@ -162,20 +162,17 @@ class ViscoelasticCreep(OnBothSides):
 
     def transients(self, now: Now) -> Transients | None:
         """What the wire still creeps by from before the first sample, by as much as motion like that of the
-        recording leads to, where most of it dies away in the recording: else it were no more than a zero.
+        recording leads to, where most of it dies away in the recording: else it were no more than a zero. A
+        load is taken to have been there before.
         """
-        gains, constants = self._shares(now)
-        most, dies = float(np.abs(gains).sum()), 2.0 * constants <= now.stamp[-1] - now.stamp[0]
+        if self.bears(self.form):
+            return None
+        gains, constants = (each[:, 0] for each in self._modes())
+        most = float(np.abs(gains).sum() * np.ptp(now.gearbox[:, 0] * now.ratio[0]))
+        dies = 2.0 * constants <= now.stamp[-1] - now.stamp[0]
         if most == 0.0 or len(gains) > 2 or not dies.any():
             return None
         return Decays(now.stamp[:1], constants[dies], np.array([most]))
-
-    def _shares(self, now: Now) -> tuple[Array, Array]:
-        """What each mode (k,) creeps by over the range of the motion [rad], and its time constant [s]."""
-        if self.bears(self.form):
-            return self["compliance"] * np.ptp(now.load, axis=0), self["time_constant"]
-        gains, constants = self._modes()
-        return gains[:, 0] * np.ptp(now.gearbox[:, 0] * now.ratio[0]), constants[:, 0]
 
     def credible(self, now: Now, beside: bool = False) -> bool:
         """Slower than a lag, and not so slow that it is no more than another ratio."""
