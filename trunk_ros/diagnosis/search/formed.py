@@ -42,7 +42,7 @@ def with_ratios(first: Fit) -> Hypothesis:
     """
     context, out = first.context, first.context.known
     kinds = [k for k in local_kinds(context) if k.of_every_joint and k.id not in out]
-    far = [c for c in first.cost if _is_far_off(first, c)] if kinds else []
+    far = [c for c in first.cost if _is_far_off(*_rest_and_line(first, c))] if kinds else []
     for column in far:
         for kind in kinds:
             start = {p.name: p.null for p in kind.parameters}
@@ -71,12 +71,6 @@ def formed_misfits(first: Fit) -> dict[int, float]:
     prompt = {c: _right_line(context, c, rest - lag * line[:, 2], line) for c, (rest, line) in seen.items()}
     late = sum(prompt.values()) < PART * sum(left.values())
     return {c: min(left[c], prompt[c]) for c in left} if late else left
-
-
-def _is_far_off(first: Fit, column: int) -> bool:
-    """Whether by what a first fit leaves of a column its ratio is another one by far."""
-    rest, line = _rest_and_line(first, column)
-    return bool(abs(np.linalg.lstsq(line[:, :2], rest, rcond=ROUNDED)[0][0]) > FAR_OFF)
 
 
 def off_by(context: Context, column: int) -> float:
@@ -128,12 +122,14 @@ def _right_line(context: Context, column: int, rest: Array, line: Array) -> floa
     """What a ``rest`` (rows,) has above the noise with the right zero, and the right ratio where that was
     not known.
     """
-    line = line[:, :2]
+    line = line[:, (0 if _is_far_off(rest, line) else 1) : 2]
     found = np.linalg.lstsq(line, rest, rcond=ROUNDED)[0]
-    if abs(found[0]) <= FAR_OFF:
-        line = line[:, 1:]
-        found = np.linalg.lstsq(line, rest, rcond=ROUNDED)[0]
     return max(float(np.sum((rest - line @ found) ** 2)) - context.count(column), 0.0)
+
+
+def _is_far_off(rest: Array, line: Array) -> bool:
+    """Whether by a ``rest`` (rows,) the ratio is another one by far."""
+    return bool(abs(np.linalg.lstsq(line[:, :2], rest, rcond=ROUNDED)[0][0]) > FAR_OFF)
 
 
 def _rest_and_line(fit: Fit, column: int) -> tuple[Array, Array]:
