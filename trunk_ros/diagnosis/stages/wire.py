@@ -17,7 +17,7 @@ from trunk_ros.data.surroundings import View, following
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.disturbances.stood import Read, begun
 from trunk_ros.diagnosis.disturbances.swung import swung
-from trunk_ros.diagnosis.hypothesis import Hypothesis, bind_column, payload_of
+from trunk_ros.diagnosis.hypothesis import Hypothesis, Term, bind_column, payload_of
 from trunk_ros.diagnosis.search.fit import Fit, refit
 from trunk_ros.diagnosis.stages.side_by_side import Seen, bind_together
 from trunk_ros.diagnosis.stages.stage import Sight, Stage
@@ -65,10 +65,9 @@ class WireStage(Stage):
         shown, _ = self._passed(sight, index, column, payload, blocks, len(pairs))
         span, now = sight.views[index].span, sight.now(index, column, payload)
         out = [span.measured(each) for each in shown.T]
-        free = [_swings(sight, index, *pair) for pair in pairs]
         return [
-            swung(span, column, now, pair[0].bound(column), one)[0] if swings else one
-            for pair, one, swings in zip(pairs, out, free, strict=True)
+            swung(span, column, now, some.bound(column), one)[0] if _free(some, column) else one
+            for one, (some, _) in zip(out, pairs, strict=True)
         ]
 
     def path(self, sight: Sight, index: int, hypothesis: Hypothesis, column: int) -> Array:
@@ -127,11 +126,16 @@ class WireStage(Stage):
 
 def _swings(sight: Sight, index: int, hypothesis: Hypothesis, column: int) -> bool:
     """Whether a hypothesis lets a joint swing by what nobody saw."""
-    free = [term for name, term in hypothesis.items() if column in term.own and _may_swing(name)]
+    free = _free(hypothesis, column)
     if not free:
         return False
     now = sight.now(index, column, payload_of(hypothesis))
     return any(bind_column(term, column).transients(now) is not None for term in free)
+
+
+def _free(hypothesis: Hypothesis, column: int) -> list[Term]:
+    """What a hypothesis has on a joint that may swing or creep by what nobody saw."""
+    return [term for name, term in hypothesis.items() if column in term.own and _may_swing(name)]
 
 
 @cache
