@@ -23,10 +23,17 @@ STEADY = 0.9  # share of the samples that come in time where a topic is publishe
 def usual(stamp: Floats) -> float:
     """Longest time [s] between two samples that shows no loss; infinite where samples come as they like."""
     between = np.diff(stamp)
+    longest = _in_time(between)
+    return longest if len(between) and float(np.mean(between <= longest)) >= REGULAR else np.inf
+
+
+def _in_time(between: Floats) -> float:
+    """Longest of the times [s] (k,) between samples that is no wait for a lost one: longer than jitter has it."""
     if len(between) < 3:
         return np.inf
-    longest = GAP * float(np.median(between))
-    return longest if float(np.mean(between <= longest)) >= REGULAR else np.inf
+    period = float(np.median(between))
+    jitter = MEDIAN_TO_STD * float(np.median(np.abs(between - period)))
+    return max(GAP * period, period + SURE * jitter)
 
 
 def longest_wait(stamp: Floats) -> float:
@@ -42,16 +49,10 @@ def runs(where: np.ndarray) -> np.ndarray:
 
 
 def gaps(stamp: Floats, longest: float = np.inf) -> np.ndarray:
-    """(k,): samples after which others of a steady stream are missing, for at most ``longest`` s: it takes
-    longer than samples that jitter.
-    """
+    """(k,): samples after which others of a steady stream are missing, for at most ``longest`` s."""
     between = np.diff(stamp)
-    if len(between) < 3:
-        return np.empty(0, dtype=np.intp)
-    period = float(np.median(between))
-    jitter = MEDIAN_TO_STD * float(np.median(np.abs(between - period)))
-    wide = between > max(GAP * period, period + SURE * jitter)
-    steady = float(np.mean(~wide)) >= STEADY
+    wide = between > _in_time(between)
+    steady = len(between) > 0 and float(np.mean(~wide)) >= STEADY
     return np.flatnonzero(wide & (between <= longest) & steady)
 
 
@@ -74,7 +75,8 @@ def late(series: JointSeries) -> Late:
     """
     between, steps = np.diff(series.stamp), np.diff(hold(series.position), axis=0)
     usual = float(np.median(between)) if len(between) else np.inf
-    wide, due = between > GAP * usual, np.flatnonzero(between <= GAP * usual)
+    wide = between > _in_time(between)
+    due = np.flatnonzero(~wide)
     after = np.flatnonzero(wide)
     if not len(due):
         return Late(after, np.zeros(len(after), dtype=bool), np.full((len(after), steps.shape[1]), np.inf))
