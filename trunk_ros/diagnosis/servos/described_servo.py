@@ -43,22 +43,27 @@ def as_it_runs(model: Model, recordings: Sequence[Recording]) -> Model:
 
 def with_its_setpoints(model: Model, recordings: Sequence[Recording], told: Sequence[Told]) -> Model:
     """A model that says its servos, with setpoints that are samples of what moves on between them, where it
-    does not say what they are and loops that effects can make of its own, ``told``, are then clearly nearer
-    to the shafts: samples look like servos that are quicker, by half of the time between two of them.
+    does not say what they are, and its loops then go as told, or those that effects can make of them,
+    ``told``, are clearly nearer to the shafts, and about as near as other velocity loops would be: samples
+    look like servos that are quicker, by half of the time between two of them.
     """
     if model.setpoints_stated or model.setpoints == SAMPLED:
         return model
     if not any(_leads(*one, recordings) for one in told):
         return model
     sampled = replace(model, setpoints=SAMPLED)
-    left, less = (_in_all(each) for each in (told, _told(sampled, recordings)))
-    return sampled if CLEARLY * less < left else model
+    others = _told(sampled, recordings)
+    if all(is_explained(loop, _but_for_a_lag(loop, numbers)) for loop, numbers in others):
+        return sampled
+    nearer = CLEARLY * _in_all(others) < _in_all(told)
+    return sampled if nearer and _explains_as_much(others, told) else model
 
 
 def with_its_step(model: Model, recordings: Sequence[Recording], told: Sequence[Told]) -> Model:
     """A model that says its servos, with loops that run faster than the reference's, where those that effects
-    can make of its own, ``told``, are then clearly nearer to the shafts: in proportion, in the mean of the
-    joints. What else is wrong with one may leave far more than steps do, which are the same for all.
+    can make of its own, ``told``, are then clearly nearer to the shafts, and about as near as other velocity
+    loops would be, which look like other steps: in proportion, in the mean of the joints. What else is wrong
+    with one may leave far more than steps do, which are the same for all.
     """
     if model.arm.step != STEP or _explains(told):
         return model
@@ -75,7 +80,8 @@ def with_its_step(model: Model, recordings: Sequence[Recording], told: Sequence[
             best, least = faster, times
         elif step == FASTER[0] and times >= 1.0:
             break
-    return best if CLEARLY * least < 1.0 else model
+    nearer = CLEARLY * least < 1.0
+    return best if nearer and _explains_as_much(_told(best, recordings), told) else model
 
 
 def _told(model: Model, recordings: Sequence[Recording]) -> list[Told]:
@@ -96,6 +102,16 @@ def _explains(told: Sequence[Told]) -> bool:
     return all(is_explained(loop, loop.left(numbers)) for loop, numbers in told)
 
 
+def _explains_as_much(others: Sequence[Told], told: Sequence[Told]) -> bool:
+    """Whether loops like ``others`` leave hardly more than noise, or not clearly more than those of ``told``
+    with other velocity loops.
+    """
+    rest = _left(others, quickly=True)
+    if np.all(rest**2 <= HARDLY_MORE):
+        return True
+    return _times(rest, _left(told, quickly=True, speeding=True)) < CLEARLY
+
+
 def _times(left: Array, other: Array) -> float:
     """How many times ``other`` (joints,) is ``left`` (joints,), in the geometric mean of those joints that
     are not explained with both; of all, where each is: noise may be taken for too large.
@@ -108,10 +124,15 @@ def _leads(loop: Loop, numbers: Array, recordings: Sequence[Recording]) -> bool:
     """Whether a shaft is ahead of the model's loop by a fourth of the time between two setpoints or more, as
     far as another gain does not say so: held setpoints come half of it late. A linear look, which is cheap.
     """
-    rest = but_for_a_lag(loop.context, loop.column, loop.residual(numbers))
-    if is_explained(loop, float(rest @ rest)):
+    if is_explained(loop, _but_for_a_lag(loop, numbers)):
         return False
     return bool(_ways(loop, numbers, [])[1] < -period(recordings) / 4.0)
+
+
+def _but_for_a_lag(loop: Loop, numbers: Array) -> float:
+    """What a loop leaves, but for what it may be later than it is described."""
+    rest = but_for_a_lag(loop.context, loop.column, loop.residual(numbers))
+    return float(rest @ rest)
 
 
 def _nearer(told: Sequence[Told], others: Sequence[Told]) -> float:
@@ -143,17 +164,17 @@ def _in_all(told: Sequence[Told]) -> float:
     return float(np.linalg.norm(_left(told) * noise))
 
 
-def _left(told: Sequence[Told], quickly: bool = False) -> Array:
+def _left(told: Sequence[Told], quickly: bool = False, speeding: bool = False) -> Array:
     """(joints,) what loops like those of a model leave, rms over noise, of other gains, delays and top
-    speeds, as effects make them; ``quickly``: as a rough fit by one method has it.
+    speeds, as effects make them; ``quickly``: as a rough fit by one method has it; ``speeding``: also with
+    other velocity loops.
     """
     rms, methods = [], METHODS[: 1 if quickly else None]
     for loop, numbers in told:
         context, column = loop.context, loop.column
-        rest = but_for_a_lag(context, column, loop.residual(numbers))
-        cost = float(rest @ rest)
+        cost = _but_for_a_lag(loop, numbers)
         if not is_explained(loop, cost):
-            tau_v, share = float(numbers[1]), None if numbers[-1] else -1
+            tau_v, share = None if speeding else float(numbers[1]), None if numbers[-1] else -1
             for top, method in product((numbers[TOP_SPEED][0], fastest_of(context, column)), methods):
                 start = loop.at(np.where(TOP_SPEED, top, numbers))[:share]
                 cost = min(cost, loop.left(numbers_of(loop.fitted(start, method, tau_v, quickly).x, tau_v)))

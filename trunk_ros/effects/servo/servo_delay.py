@@ -1,4 +1,4 @@
-"""Setpoints take effect late."""
+"""Setpoints take effect late, or less late than the model says."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -11,7 +11,7 @@ from trunk_ros.parameter import Parameter
 
 
 class ServoDelay(Effect):
-    """The loop sees the setpoint of ``delay`` ago."""
+    """The loop sees the setpoint of ``delay`` ago, beside the model's own: never one that is yet to come."""
 
     id = "servo_delay"
     sizes = ("delay",)
@@ -22,8 +22,8 @@ class ServoDelay(Effect):
         Parameter(
             "delay",
             "s",
-            (0.0, 0.5),
-            "age of a setpoint when it acts",
+            (-0.5, 0.5),
+            "age of a setpoint when it acts, beside what the model says",
             typical=0.01,
             shared=True,
             scan=(0.005, 0.02, 0.08),
@@ -41,7 +41,7 @@ class ServoDelay(Effect):
 
     @classmethod
     def changed(cls, number: Any, values: Mapping[str, Any]) -> Any:
-        return number + np.asarray(values.get("delay", 0.0), dtype=float)
+        return np.maximum(number + np.asarray(values.get("delay", 0.0), dtype=float), 0.0)
 
     def adjust(self, core: Core, now: Now) -> None:
-        core.delay = core.delay + self["delay"]
+        core.delay = np.maximum(core.delay + self["delay"], 0.0)

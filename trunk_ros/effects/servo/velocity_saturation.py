@@ -1,4 +1,4 @@
-"""The servo reaches a lower top speed."""
+"""The servo reaches a lower top speed than the model says, or a higher one."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -16,7 +16,7 @@ STEADY = 0.99  # of the top speed: the speeds of a servo that can go no faster, 
 
 
 class VelocitySaturation(Effect):
-    """v_ref = clip(Kp e, -v_max, v_max) with a lower v_max."""
+    """v_ref = clip(Kp e, -v_max, v_max) with another v_max."""
 
     id = "velocity_saturation"
     stage, place, regime = "servo", 100, "high_speed"
@@ -52,10 +52,10 @@ class VelocitySaturation(Effect):
 
     @classmethod
     def changed(cls, number: Any, values: Mapping[str, Any]) -> Any:
-        return np.minimum(number, np.asarray(values.get("v_max", UNLIMITED), dtype=float))
+        return _instead(number, np.asarray(values.get("v_max", UNLIMITED), dtype=float))
 
     def adjust(self, core: Core, now: Now) -> None:
-        core.v_max = np.minimum(core.v_max, self["v_max"])
+        core.v_max = _instead(core.v_max, self["v_max"])
 
     def grid(
         self, parameter: Parameter, now: Now, column: int, rest: Array | None = None
@@ -66,3 +66,8 @@ class VelocitySaturation(Effect):
         return tuple(
             max(start, 2e-3) for start in (steady, *(share * fast for share in (0.995, 0.97, 0.85, 0.7)))
         )
+
+
+def _instead(v_max: Any, other: Array) -> Array:
+    """``other`` where there is one."""
+    return np.where(other < UNLIMITED, other, v_max)

@@ -27,6 +27,7 @@ class Servo:
         self.behind = [Block(e, arm, environments) for e in effects if e.acts_at > Effect.CORE]
         scene = Scene(arm, model.duration, 0.0, *(np.zeros((1, len(arm.joints))),) * 3)
         core = core_of(scene.gearbox)
+        core.delay = np.atleast_2d(arm.delay)
         for block in [Block(e, arm, 1) for e in effects if e.acts_at == Effect.CORE]:
             block.adjust(core, scene)
         columns = environments * len(arm.joints)
@@ -41,7 +42,7 @@ class Servo:
         self.rub = spread(core.rub)
         self.reach = np.maximum(spread(np.abs(arm.dead_band / arm.ratio)), self.rub)
         self.held: Array | None = None
-        late = spread(core.delay + arm.delay)
+        late = spread(core.delay)
         self.past = Past(late) if np.any(late > 0.0) else None
         self.early = spread(np.asarray(arm.feedforward)) / (self.gain * self.kp)
         self.asked: Array | None = None

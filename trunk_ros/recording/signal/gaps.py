@@ -28,7 +28,7 @@ def usual(stamp: Floats) -> float:
 
 
 def _in_time(between: Floats) -> float:
-    """Longest of the times [s] (k,) between samples that is no wait for a lost one: longer than jitter has it."""
+    """Longest time [s], of those ``between`` (k,) samples, that is jitter and no wait for a lost one."""
     if len(between) < 3:
         return np.inf
     period = float(np.median(between))
