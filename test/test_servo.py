@@ -63,7 +63,9 @@ def test_it_is_the_reference_integration(rows: int) -> None:
     [
         ("servo_bandwidth", {"relative": -0.3}, {"kp": 14.0}),
         ("velocity_saturation", {"v_max": 0.4}, {"v_max": 0.4}),
-        ("velocity_saturation", {"v_max": 3.0}, {}),
+        ("velocity_saturation", {"v_max": 3.0}, {"v_max": 3.0}),
+        ("velocity_saturation", {"v_max": 1e3}, {}),
+        ("velocity_loop", {"relative": 0.5}, {"tau": 0.03}),
     ],
 )
 def test_a_changed_loop_is_the_same_integration(effect: str, values: Any, changed: Any) -> None:

@@ -21,7 +21,8 @@ from trunk_ros.recording.signal.resample import SLOW
 def first_look(stage: Stage) -> Context:
     """A stage as the model sees it, before anything is found."""
     blank = Context(stage, stage.views, ()).seen_with(stage.known)
-    loops = {c: _loop(blank, c) for c in blank.columns}
+    joints = blank.columns if stage.name == "wire" else ()  # all that drives do is lag
+    loops = {c: _loop(blank, c) for c in joints}
     wide = frozenset(c for c, (is_always_alike, _) in loops.items() if is_always_alike)
     once = frozenset(c for c, (_, is_gone_through_once) in loops.items() if is_gone_through_once)
     first = replace(blank, wide=wide, once=once)

@@ -55,14 +55,15 @@ def missing(model: AnyModel, simulation: ArmModel | None = None) -> Missing[AnyM
     for name in theirs.effects:
         if name not in model.effects and name not in (*PLAY, "ratio_error"):
             remarks.append(EXCESS.format(name, "the arm has none"))
-    servo = replace(theirs, arm=model.arm).number("kp")
+    servo = replace(theirs, arm=model.arm)
     there = replace(theirs.arm, delay=0.0, feedforward=0.0) if simulation is None else theirs.arm
     arm = replace(
         model.arm,
         ratio=ratio_of(theirs),
         dead_band=0.0 * wider,
         wire=None,
-        kp=servo,
+        kp=servo.number("kp"),
+        tau_v=servo.number("tau_v"),
         delay=np.maximum(model.arm.delay - there.delay, 0.0),
         feedforward=np.maximum(model.arm.feedforward - there.feedforward, 0.0),
     )

@@ -7,7 +7,7 @@ import numpy as np
 from trunk_ros.arm_model import ArmModel
 from trunk_ros.compiled import Array, compiled
 from trunk_ros.effects.effect import Effect
-from trunk_ros.effects.filters import lag_step
+from trunk_ros.effects.filters import lag_step, oscillator
 from trunk_ros.effects.wire.play import SharpPlay
 from trunk_ros.export.reality.blocks import Block, core_of
 from trunk_ros.export.reality.past import Past
@@ -38,6 +38,9 @@ class Servo:
         self.fastest = spread(core.v_max)
         self.gain = spread(core.kp)
         self.kp = spread(np.asarray(arm.kp))
+        self.tau = spread(np.asarray(arm.tau_v))
+        self.slower = spread(core.tau_v)
+        self.swing: Array | None = None
         self.cogging = core.cogging[:, 0] if core.cogging.any() else None
         self.rub = spread(core.rub)
         self.reach = np.maximum(spread(np.abs(arm.dead_band / arm.ratio)), self.rub)
@@ -65,6 +68,8 @@ class Servo:
             self.before, self.low = x.copy(), x.copy()
         elif columns is not None:
             self.before[columns] = self.low[columns] = x[columns]
+            if self.swing is not None:
+                self.swing[:, columns] = np.stack([x, x, 0.0 * x])[:, columns]
         x = self._fed(self._shaped(x, scene.dt), scene.dt, columns).reshape(shape)
         core = core_of(x)
         for block in self.blocks:
@@ -90,9 +95,22 @@ class Servo:
     def _shaped(self, x: Array, dt: float) -> Array:
         """No faster than the top speed, and K'/K + (1 - K'/K) lag of 1/K' in the place of what K leaves."""
         assert self.before is not None
-        out = np.empty_like(x)
-        shape_commands(x, dt, self.fastest, self.gain, self.kp, self.before, self.low, out)
-        return out
+        out, alike = np.empty_like(x), bool(np.all(self.slower == 1.0))
+        gain = self.gain if alike else np.ones_like(self.gain)
+        shape_commands(x, dt, self.fastest, gain, self.kp, self.before, self.low, out)
+        return out if alike else self._as_quick(out, dt)
+
+    def _as_quick(self, x: Array, dt: float) -> Array:
+        """What has a loop of K and tau go as one of K' and tau' would, which is z: its equation,
+        tau z'' + z' + K z = K u, solved for the command u.
+        """
+        if self.swing is None:
+            self.swing = np.stack([x, x, 0.0 * x])
+        gain, slow = self.kp * self.gain, self.tau * self.slower
+        omega, zeta = np.sqrt(gain / slow), 0.5 / np.sqrt(gain * slow)
+        oscillator(x[None], np.array([dt]), omega, zeta, False, self.swing, np.empty_like(x)[None])
+        _, z, rate = self.swing
+        return np.asarray(z + (rate + self.tau * (omega**2 * (x - z) - rate / slow)) / self.kp)
 
     def _held_back(self, x: Array, load: Array, anew: np.ndarray | None) -> Array:
         """Behind a command by what wires that slide pull; one that sticks keeps what the load pulls away.

@@ -39,7 +39,7 @@ class Compensation:
         """The motors stand ``at`` (joints,) rad."""
         self._aim = self.out = at
         arm = self.model.arm
-        self._lead = Lead(at, self.gain, arm.tau_v, self.top_speed, arm.feedforward, arm.ahead)
+        self._lead = Lead(at, self.gain, self.tau_v, self.top_speed, arm.feedforward, arm.ahead)
         return self._lead
 
     def _use(self, model: Model) -> None:
@@ -47,9 +47,10 @@ class Compensation:
         self.chain = Chain(model, "wire", hold_time=True)
         self.lower, self.upper = gearbox_limits(model.arm)
         self.top_speed, self.gain = top_speed(model), position_gain(model)
+        self.tau_v = model.at_end().number("tau_v")
         if self._lead is not None:
             arm = model.arm
-            self._lead.use(self.gain, arm.tau_v, self.top_speed, arm.feedforward, arm.ahead)
+            self._lead.use(self.gain, self.tau_v, self.top_speed, arm.feedforward, arm.ahead)
         self._state: State | None = None
         self._fade = np.zeros(len(model.arm.joints))
 

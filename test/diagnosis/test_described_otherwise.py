@@ -1,0 +1,44 @@
+"""Servos that a model describes wrongly are told by the number that is another one."""
+
+from __future__ import annotations
+
+import pytest
+
+from test.diagnosis.arms import diagnose
+from test.diagnosis.test_nominal_servo import PLAIN, _left, _stated, recorded_servos
+
+
+@pytest.mark.parametrize(
+    ("servo", "stated", "effect", "parameter", "value"),
+    [
+        ({"tau_v": (0.03,) * 3}, {}, "velocity_loop", "relative", 0.5),
+        ({"tau_v": (0.012,) * 3}, {}, "velocity_loop", "relative", -0.4),
+        ({"delay": (0.01,) * 3}, {"delay": 0.024}, "servo_delay", "delay", -0.014),
+        ({"v_max": (0.9,) * 3}, {"v_max": 0.5}, "velocity_saturation", "v_max", 0.9),
+    ],
+)
+def test_it_is_told_by_its_number(
+    servo: dict[str, tuple[float, float, float]],
+    stated: dict[str, float],
+    effect: str,
+    parameter: str,
+    value: float,
+) -> None:
+    found = diagnose(recorded_servos(PLAIN | servo, after=0.0), model=_stated(**stated))
+    (finding,) = found.findings
+    assert (finding.effect, found.verdict) == (effect, "explained")
+    assert finding.parameters["arm"][parameter]["value"] == pytest.approx(value, rel=0.03)
+    assert _left(found.model, recorded_servos(PLAIN | servo, seed=2, after=0.0)).max() < 3e-4
+
+
+def test_a_velocity_loop_goes_beside_a_gain() -> None:
+    servo = {"kp": (15.0,) * 3, "tau_v": (0.03,) * 3}
+    found = diagnose(recorded_servos(PLAIN | servo, after=0.0), model=_stated())
+    assert {f.effect for f in found.findings} == {"servo_bandwidth", "velocity_loop"}
+    assert found.model.number("kp") == pytest.approx(15.0, rel=0.01)
+    assert found.model.number("tau_v") == pytest.approx(0.03, rel=0.03)
+
+
+def test_a_delay_never_asks_for_what_is_yet_to_come() -> None:
+    found = diagnose(recorded_servos(PLAIN, after=0.0), model=_stated(delay=0.02))
+    assert found.model.number("delay") == pytest.approx(0.0, abs=1e-3)
