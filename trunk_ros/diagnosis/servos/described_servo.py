@@ -67,28 +67,40 @@ def with_its_step(model: Model, recordings: Sequence[Recording], told: Sequence[
     """
     if model.arm.step != STEP or _explains(told):
         return model
-    near = _in_steps(model, STEP * (1.0 - _nearer(told, _told(_in_steps(model, 0.0), recordings))))
-    there = _told(near, recordings)
+
+    def stepped(step: float) -> Sequence[Told]:
+        return _in_their_noise(told, _told(_in_steps(model, step), recordings))
+
+    near = STEP * (1.0 - _nearer(told, stepped(0.0)))
+    there = stepped(near)
     if _explains(there):
-        return near
+        return _in_steps(model, near)
     left = _left(told, quickly=True)
     best, least = near, _times(_left(there, quickly=True), left)
     for step in FASTER:
-        faster = _in_steps(model, step)
-        times = _times(_left(_told(faster, recordings), quickly=True), left)
+        times = _times(_left(stepped(step), quickly=True), left)
         if times < least:
-            best, least = faster, times
+            best, least = step, times
         elif step == FASTER[0] and times >= 1.0:
             break
     nearer = CLEARLY * least < 1.0
-    return best if nearer and _explains_as_much(_told(best, recordings), told) else model
+    return _in_steps(model, best) if nearer and _explains_as_much(stepped(best), told) else model
 
 
 def _told(model: Model, recordings: Sequence[Recording]) -> list[Told]:
-    """Of each joint that was asked to move, and did."""
-    numbers = numbers_of_each(model.arm)
+    """Of each joint that was asked to move, and did; whatever its zero is."""
+    numbers, out = numbers_of_each(model.arm), []
+    for context, column, joint in moved(model, recordings):
+        zero = context.whiten_change([np.ones(len(view.span.stamp)) for view in context.views], column)
+        out.append((replace(Loop.of(context, column), beside=zero), numbers[:, joint]))
+    return out
+
+
+def _in_their_noise(told: Sequence[Told], others: Sequence[Told]) -> list[Told]:
+    """``others`` in the noise of what is ``told``: each has its own, which grows with what is left."""
     return [
-        (Loop.of(context, column), numbers[:, joint]) for context, column, joint in moved(model, recordings)
+        (replace(loop, context=replace(loop.context, stage=other.context.stage)), numbers)
+        for (loop, _), (other, numbers) in zip(told, others, strict=True)
     ]
 
 
@@ -141,8 +153,7 @@ def _nearer(told: Sequence[Told], others: Sequence[Told]) -> float:
     """
     shares = []
     for (loop, numbers), (other, _) in zip(told, others, strict=True):
-        alike = replace(loop.context, stage=other.context.stage)  # in the same noise
-        there = replace(loop, context=alike).residual(numbers)
+        there = other.residual(numbers)
         shares.append(np.clip(_ways(loop, numbers, [there])[2], 0.0, 1.0))
     return float(np.median(shares))
 

@@ -53,6 +53,8 @@ class Loop:
     """With the load pulling at the servo, and with what of its torque the drive may feed forward, each by as
     much as leaves least; none: nothing does.
     """
+    beside: Array | None = None
+    """(n,) whitened: a change by as much as leaves least, such as another zero."""
 
     @staticmethod
     def of(context: Context, column: int) -> Loop:
@@ -107,9 +109,10 @@ class Loop:
         return out
 
     def _pulled_back(self, rest: Array, *pulled: Array) -> Array:
-        if not pulled:
+        changes = [*(one - rest for one in pulled), *([] if self.beside is None else [self.beside])]
+        if not changes:
             return rest
-        moved = np.column_stack([one - rest for one in pulled])
+        moved = np.column_stack(changes)
         return np.asarray(rest - moved @ np.linalg.lstsq(moved, rest, rcond=ROUNDED)[0])
 
     def nearest(self, starts: Iterable[Array], many: int) -> list[Array]:
