@@ -14,7 +14,7 @@ from trunk_ros.effect_values import Values, payload_in
 from trunk_ros.effects import Effect, effect, registry
 from trunk_ros.effects.moments import NOTHING, Payload
 from trunk_ros.machine import BOUND
-from trunk_ros.parameter import Parameter
+from trunk_ros.parameter import Parameter, leading
 
 Numbers = tuple[tuple[str, float], ...]
 Words = tuple[tuple[str, str], ...]
@@ -207,17 +207,17 @@ def hypothesis_of(effects: Mapping[str, Values], stage: str, joints: int) -> Hyp
 def _term_of(kind: type[Effect], values: Values, joints: int) -> Term:
     form = str(values.get("form", kind.forms[0]))
     used = [p for p in kind.used(form) if p.name in values]
-    own = {p.name: np.broadcast_to(values[p.name], joints) for p in used if not p.shared}
-    nulls, may = {p.name: p.null for p in kind.used(form)}, {p.name for p in used if p.optional}
-    on = [j for j in range(joints) if not own or any(v[j] != nulls[n] for n, v in own.items())]
+    own = [(p, np.broadcast_to(values[p.name], joints)) for p in used if not p.shared]
+    alike = not own or leading(kind.own_parameters(form)).shared
+    on = [j for j in range(joints) if alike or any(v[j] != p.null for p, v in own)]
     words = {j: {t: values[t][j] for t in kind.texts if t in values and values[t][j]} for j in on}
     return Term(
         kind.id,
         form,
         {p.name: float(values[p.name]) for p in used if p.shared},
-        {j: {n: float(v[j]) for n, v in own.items() if n not in may or v[j] != nulls[n]} for j in on},
+        {j: {p.name: float(v[j]) for p, v in own if not p.optional or v[j] != p.null} for j in on},
         {j: said for j, said in words.items() if said},
-        frozenset(own) if not kind.named else frozenset(),
+        frozenset(p.name for p, _ in own) if not kind.named else frozenset(),
     )
 
 

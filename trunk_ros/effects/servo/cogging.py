@@ -48,6 +48,8 @@ class Cogging(Effect):
             periodic=True,
         ),
     )
+    forms = ("alike", "apart")
+    apart = "apart"
     everywhere = begins = True
     compensable = False
     confused_with = (

@@ -1,5 +1,5 @@
-"""Which joints an effect is on that acts on all, and from where their own values are fitted; one without
-such values is left by none.
+"""Which joints an effect is on that acts on all, and from where their own values are fitted; one whose
+size they share is left by none.
 """
 
 from __future__ import annotations
@@ -14,13 +14,14 @@ from trunk_ros.diagnosis.search.fit import Fit, costed_on, refit_column
 from trunk_ros.diagnosis.search.state import structure_of
 from trunk_ros.diagnosis.search.trial import begun_on
 from trunk_ros.effects import effect
+from trunk_ros.parameter import leading
 
 
 def groups(best: Fit, desk: Desk) -> Iterator[Group]:
     """Each joint by itself."""
     for name in [name for name in best.hypothesis if effect(name).everywhere]:
         term = best.hypothesis[name]
-        alike = all(p.shared for p in effect(name).own_parameters(term.form))
+        alike = leading(effect(name).own_parameters(term.form)).shared
         for column in best.context.columns:
             change = joined if column not in term.columns else None if alike else left
             if change is not None:
