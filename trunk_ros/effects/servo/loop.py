@@ -70,8 +70,8 @@ def servo_loop(
     ``cogging`` (3, likewise), ``reach`` (columns,). A wire that slides holds the shaft back by ``rub``, from
     ``reach`` beyond where it stuck; a shorter reach than ``rub`` would make the loop stiffer than its own
     gain. A wire that sticks keeps its tension: a ``load`` (rad of the setpoint) that changes meanwhile only
-    brings it nearer to sliding. Of what wires pull the share ``torque`` acts past the top speed that the
-    position loop may ask for, the rest before it.
+    brings it nearer to sliding. Between two rows the mean of their loads acts. Of what wires pull the share
+    ``torque`` acts past the top speed that the position loop may ask for, the rest before it.
     ``ahead`` of a step, the loop sees its shaft go on, and the shaft has the speed that it had: 0 as the
     reference, 1/2 as one that is integrated exactly, but for the square of the step.
     Within a step that late setpoints fall into, the time-weighted mean of what each asks for acts: the result
@@ -87,11 +87,14 @@ def servo_loop(
             pulled, rubs, zone = at(pull, r, j), at(rub, r, j), at(dead_zone, r, j)
             bears, past = at(load, r, j), at(torque, r, j)
             size, cycles, phase = at(cogging[0], r, j), at(cogging[1], r, j), at(cogging[2], r, j)
-            if rubs != 0.0 and bore == bore:
-                stuck -= (bears - bore) * reach[j] / rubs
+            moved = 0.0
+            if rubs != 0.0 and bore == bore:  # half of it before, half of it behind the step
+                moved = 0.5 * (bears - bore) * reach[j] / rubs
+                stuck -= moved
             elif rubs != 0.0:  # the run begins: friction holds what the loop does not
                 off = setpoint[max(k - 1, 0), j] + pulled + size * sine(cycles * phi + phase) - phi
                 stuck = phi - reach[j] * min(max((bears + off - v / gain) / rubs, -1.0), 1.0)
+            borne = bears if bore != bore else 0.5 * (bore + bears)
             bore = bears
             if k > 0:
                 span = min(stamp[k] - stamp[k - 1], LONGEST)
@@ -113,7 +116,7 @@ def servo_loop(
                     target = mean + pulled
                     if size != 0.0:
                         target += size * sine(cycles * phi + phase)
-                    tension = bears
+                    tension = borne
                     if reach[j] > 0.0:
                         stuck = min(max(stuck, phi - reach[j]), phi + reach[j])
                         if rubs != 0.0:
@@ -128,6 +131,7 @@ def servo_loop(
                     before = v
                     v += smooth * (v_ref - v)
                     phi += h * (v + ahead * (before - v))
+            stuck -= moved
             out[k - skip, j] = phi
         state[0, j] = phi
         state[1, j] = v
@@ -159,9 +163,8 @@ def servo_loops(
     rows, columns = setpoint.shape
     phi, v, stuck, bore = state[0], state[1], state[2], state[3]
     held, substeps = np.zeros(columns, np.int64), np.zeros(columns, np.int64)
-    step, h, smooth, tension = (
-        np.empty(columns), np.empty(columns), np.empty(columns), np.empty(columns)
-    )  # fmt: skip
+    step, h, smooth = np.empty(columns), np.empty(columns), np.empty(columns)
+    tension, borne, moved = np.empty(columns), np.empty(columns), np.empty(columns)
     known, asked, whole = np.full(columns, -1.0), np.zeros((BLOCK, columns)), np.empty(columns)
     mixed, first_of = np.zeros(BLOCK, np.bool_), np.zeros((BLOCK, columns), np.int64)
     clocked = np.zeros(columns, np.bool_)  # as the column before
@@ -184,13 +187,16 @@ def servo_loops(
             most = max(most, substeps[j])
             zones = zones or dead_zone[k - skip, j] > 0.0
         for j in range(columns):
+            moved[j] = 0.0
             if rub[j] != 0.0 and bore[j] == bore[j]:
-                stuck[j] -= (load[k - skip, j] - bore[j]) * reach[j] / rub[j]
+                moved[j] = 0.5 * (load[k - skip, j] - bore[j]) * reach[j] / rub[j]
+                stuck[j] -= moved[j]
             elif rub[j] != 0.0:
                 swing = cogging[0, j] * sine(cogging[1, j] * phi[j] + cogging[2, j])
                 off = setpoint[max(k - 1, 0), j] + pull[k - skip, j] + swing - phi[j]
                 bears = load[k - skip, j] + off - v[j] / kp[j]
                 stuck[j] = phi[j] - reach[j] * min(max(bears / rub[j], -1.0), 1.0)
+            borne[j] = load[k - skip, j] if bore[j] != bore[j] else 0.5 * (bore[j] + load[k - skip, j])
             bore[j] = load[k - skip, j]
         for first in range(0, most, BLOCK):
             last = min(first + BLOCK, most)
@@ -210,7 +216,7 @@ def servo_loops(
                     for j in range(columns):
                         error[j] += cogging[0, j] * sine(cogging[1, j] * phi[j] + cogging[2, j])
                 for j in range(columns):
-                    tension[j] = load[k - skip, j]
+                    tension[j] = borne[j]
                 if rubs:
                     for j in range(columns):
                         if rub[j] != 0.0 and i < substeps[j]:
@@ -242,4 +248,5 @@ def servo_loops(
                     v[j] += (smooth[j] if goes_on else 0.0) * (v_ref - before)
                     phi[j] += (h[j] if goes_on else 0.0) * (v[j] + ahead * (before - v[j]))
         for j in range(columns):
+            stuck[j] -= moved[j]
             out[k - skip, j] = phi[j]
