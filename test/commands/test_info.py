@@ -11,6 +11,7 @@ import pytest
 
 from test.diagnosis.arms import recorded
 from test.diagnosis.test_tip_in_space import ARMS, seen
+from test.recording.bags import motion, write_bag
 from test.test_pages_run import an_old_bag
 from trunk_ros.__main__ import main
 from trunk_ros.commands.info import foreign, gathered, model_for
@@ -121,6 +122,24 @@ def test_topics_that_say_where_servos_are_to_go_are_setpoints_in_the_mapping_to_
     assert not any("joint_states" in line for line in servo[3:])
     wire = foreign(Path("run.bag"), {"/camera": kind, "/motors": kind})
     assert [line.split(":")[0].strip() for line in wire[-3:-1]] == ["gearbox_states", "joint_states"]
+
+
+def test_topics_that_were_renamed_beside_ours_get_a_mapping_as_well(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    kind = "sensor_msgs/msg/JointState"
+    ours = {"/cell/trunk/reference": kind, "/cell/trunk/controller_state/error": kind}
+    wire = foreign(Path("run.bag"), ours | {"/cell/encoders": kind, "/cell/motor/state": kind})
+    assert '  gearbox_states: {position: {columns: ["/cell/motor/state.position[0]"], unit: rad}}' in wire
+    assert '  joint_states: {position: {columns: ["/cell/encoders.position[0]"], unit: rad}}' in wire
+    bag = write_bag(tmp_path / "bag", motion("/trunk/reference") + motion("/motor/state"))
+    assert main(["info", str(bag)]) == 0
+    assert "/motor/state.position[0]" in capsys.readouterr().out
+    assert main(["diagnose", str(bag), "-o", str(tmp_path / "verdict")]) == 2
+    assert "gives the mapping" in capsys.readouterr().err
+    half = write_bag(tmp_path / "half", motion("/joint_states") + motion("/motor/state"))
+    assert main(["info", str(half)]) == 0
+    assert "no trunk/gearbox_states, but /motor/state" in capsys.readouterr().out
 
 
 def test_the_noise_of_a_slide_is_said_in_millimetres(

@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 from trunk_ros.console.arguments import Parser, add_namespace
 from trunk_ros.console.console import columns, say
+from trunk_ros.recording.namespace import foreign_states
+from trunk_ros.recording.topics import JOINT_STATE
 
 if TYPE_CHECKING:
     from trunk_ros.diagnosis.prospects import Prospect
@@ -66,22 +68,28 @@ ASKED = ("setpoint", "command", "desired", "goal", "demand", "target")
 """Words in the names of topics that say where a servo is to go."""
 
 
+MOTORS = ("motor", "gearbox", "actuator", "drive", "shaft")
+"""Words in the names of topics of the motor side."""
+
+
 def foreign(path: Path, topics: dict[str, str]) -> list[str]:
-    """The topics of a bag that are of no arm by their names, and the mapping to begin with."""
+    """The topics of a bag that say by no name where an arm was, and the mapping to begin with."""
+    named = set(foreign_states(topics)) | {topic for topic, kind in topics.items() if kind != JOINT_STATE}
     angles = [
         f"{topic}.{field}"
         for known, field in NUMBERS.items()
         for topic in sorted(topics)
-        if topics[topic] == known
+        if topics[topic] == known and topic in named
     ]
     asked = [angle for angle in angles if any(word in angle.lower() for word in ASKED)]
     shown = [angle for angle in angles if angle not in asked]
+    shown.sort(key=lambda angle: not any(word in angle.lower() for word in MOTORS))
     keys = ["gearbox_states", "joint_states"]
     if asked:
         keys = ["setpoints", *keys[: max(len(shown), 1)]]
     told = dict(zip(keys, [*asked[:1], *shown, "/TOPIC.FIELD", "/TOPIC.FIELD"], strict=False))
     return [
-        f"{path}: no topic of an arm. It holds:",
+        f"{path}: no topic of an arm says where it was. It holds:",
         *columns(sorted(topics.items())),
         "",
         "A mapping says which of their fields are which; put the right ones in and save it as MAP.yaml:",

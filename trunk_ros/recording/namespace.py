@@ -1,7 +1,7 @@
 """Which topics of a recording are those of the arm, where names carry a namespace, or of several arms."""
 
 from trunk_ros.errors import ForeignError, RecordingError
-from trunk_ros.recording.topics import TOPICS, expected_type, split_topic
+from trunk_ros.recording.topics import JOINT_STATE, OURS, SHOWN, TOPICS, expected_type, split_topic
 
 
 def choose(
@@ -19,7 +19,7 @@ def choose(
     if namespace is not None:
         wanted = "/" + namespace.strip("/") if namespace.strip("/") else ""
         found = {key: {wanted: there[wanted]} for key, there in found.items() if wanted in there}
-    if not found:
+    if not found or (not found.keys() & set(SHOWN) and foreign_states(topics)):
         there = ", ".join(sorted(topics)[:12]) or "none"
         wanted = ", ".join(TOPICS.values())
         if namespace is not None:
@@ -29,14 +29,30 @@ def choose(
         if not topics:
             raise RecordingError(f"{name}: holds no topics: nothing was recorded, or none of it is left")
         raise ForeignError(
-            f"{name}: no topic of an arm ({wanted}); topics there: {there}. `trunk_ros info {name}` gives "
-            "the mapping by which `trunk_ros import` takes them in"
+            f"{name}: no topic of an arm says where it was ({', '.join(TOPICS[key] for key in SHOWN)}); "
+            f"topics there: {there}. `trunk_ros info {name}` gives the mapping by which `trunk_ros import` "
+            "takes them in"
         )
     chosen, remarks = _decide(name, found)
+    absent = [TOPICS[key] for key in ("gearbox_states", "joint_states") if key not in found]
+    if absent and (renamed := foreign_states(topics)):
+        remarks.append(
+            f"no {' and no '.join(absent)}, but {', '.join(renamed)}: `trunk_ros import` takes topics of "
+            "other names in by a mapping"
+        )
     for key, topic in chosen.items():
         if topics[topic] != expected_type(key):
             raise RecordingError(f"{name}: {topic} is {topics[topic][:80]}, not {expected_type(key)}")
     return chosen, remarks
+
+
+def foreign_states(topics: dict[str, str]) -> list[str]:
+    """Topics of joints among {name: type} whose names are not ours: what ours may have been renamed to."""
+    return [
+        topic
+        for topic, kind in sorted(topics.items())
+        if kind == JOINT_STATE and split_topic(topic) is None and OURS not in topic.split("/")
+    ]
 
 
 def _decide(name: str, found: dict[str, dict[str, str]]) -> tuple[dict[str, str], list[str]]:

@@ -21,6 +21,8 @@ COMPARED = {
     "arm": ("joint_states", TIP),
 }
 """What drives each stage of an arm, and what it shows, in the order of the signal."""
+SHOWN = ("gearbox_states", "joint_states", TIP)  # what was measured of an arm
+OURS = "trunk"  # the folder of topics that nodes of ours publish besides
 SOURCES = ("gearbox_states", "setpoints")  # what a model can be driven by
 
 
