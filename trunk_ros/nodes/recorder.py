@@ -189,7 +189,8 @@ class Recorder(TrunkNode):
             self.file_early()
         if not self.writer.put(entry):
             ear.tally.dropped += 1
-            self.health.note(f"no room for messages of {ear.channel.name}: the disk is too slow")
+            if not self.writer.failure:  # else it has ended, and says why
+                self.health.note(f"no room for messages of {ear.channel.name}: the disk is too slow")
 
     def await_clock(self, ear: Ear, entry: Entry) -> None:
         """Keep a message until the clock begins, as far as there is room."""
