@@ -11,15 +11,16 @@ from trunk_ros.parameter import Declaration
 
 def usage(name: str) -> str:
     """What a node does, and its own parameters."""
-    own = PARAMETERS[name]
+    declared = (*COMMON, *PARAMETERS[name])
+    wide = max(len(each.name) for each in declared) + 1
     return "\n".join(
         [
             purpose(name),
             "",
             f"usage: {name} [--ros-args [--params-file FILE] [-p NAME:=VALUE] ...]",
             "",
-            *(line(declaration) for declaration in (*COMMON, *own)),
-            *(["  and every parameter of a model file"] if MODEL in own else []),
+            *(line(declaration, wide) for declaration in declared),
+            *(["  and every parameter of a model file"] if MODEL in declared else []),
         ]
     )
 
@@ -30,7 +31,7 @@ def purpose(name: str) -> str:
     return ast.get_docstring(ast.parse(source)) or name
 
 
-def line(declaration: Declaration) -> str:
-    """A parameter with its bounds and default."""
+def line(declaration: Declaration, wide: int) -> str:
+    """A parameter with its bounds and default, its name in a column so ``wide``."""
     bounds = f", {declaration.range}" if declaration.range else ""
-    return f"  {declaration.name:18}{declaration.description}{bounds}; default {declaration.default!r}"
+    return f"  {declaration.name:{wide}}{declaration.description}{bounds}; default {declaration.default!r}"

@@ -13,7 +13,7 @@ from trunk_ros.nodes.graph.health import REFUSED, WARN
 from trunk_ros.nodes.graph.loop import steady_clock
 from trunk_ros.nodes.graph.messages import nanoseconds, time_message, trajectory_message
 from trunk_ros.nodes.graph.progress import Ledger, Progress
-from trunk_ros.nodes.graph.qos import DEPTH, LATCHED
+from trunk_ros.nodes.graph.qos import DEPTH, LATCHED, RELIABLE, SENSED
 from trunk_ros.nodes.graph.reader import if_readable
 from trunk_ros.nodes.graph.report import PROGRESS_TOPIC
 from trunk_ros.nodes.graph.ros import (
@@ -86,12 +86,13 @@ class Pacer(Node):
         def seen(message: Any) -> None:
             self.note(Progress(name, stamp=nanoseconds(message.header.stamp)))
 
-        self.hear(JointState, topic, seen)
+        # as the nodes do: in real time a sensor that offers best effort is heard
+        self.hear(JointState, topic, seen, RELIABLE if self.pace.simulated else SENSED)
         return name
 
-    def hear(self, kind: Any, topic: str, callback: Callable[[Any], None]) -> None:
+    def hear(self, kind: Any, topic: str, callback: Callable[[Any], None], qos: Any = RELIABLE) -> None:
         """Subscribe to the messages of a topic that can be read."""
-        self.create_subscription(kind, topic, if_readable(kind, callback), DEPTH, raw=True)
+        self.create_subscription(kind, topic, if_readable(kind, callback), qos, raw=True)
 
     def note_words(self, message: Any) -> None:
         """A node in a process of its own says how far it is; what is no such message is not heard."""
