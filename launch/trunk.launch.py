@@ -22,6 +22,9 @@ ARGUMENTS = {
     "rate": ("100.0", "rate of the nodes' loops [Hz]"),
     "namespace": ("", "pushed in front of all names"),
     "frame_prefix": ("auto", "pushed in front of all frames; auto: the namespace, so that two arms share tf"),
+    "setpoints": ("trunk/setpoints", "topic of the motors' setpoints, where your driver has another name"),
+    "gearbox_states": ("trunk/gearbox_states", "topic of the motors' angles, likewise"),
+    "joint_states": ("joint_states", "topic of the joints' angles, likewise"),
     "use_sim_time": ("false", "take the time from /clock"),
     "composed": ("false", "true: all of these nodes in one process"),
     "record": ("", "folder of a bag to record the namespace into; empty: no recording"),
@@ -35,6 +38,7 @@ CHOICES = {
     "composed": ["true", "false"],
     "state_publisher": ["true", "false", "auto", "elsewhere"],
 }
+NAMES = {name: ARGUMENTS[name][0] for name in ("setpoints", "gearbox_states", "joint_states")}
 Parameters = dict[str, str | bool]  # of a node
 PATIENCE = "30"  # s that a node may take to end in good order, on a busy machine, before it is made to
 
@@ -90,11 +94,17 @@ def node(given: dict[str, str], name: str, own: Parameters, arguments: list[str]
             common | {key: text(each) if isinstance(each, str) else each for key, each in own.items()}
         ],
         arguments=arguments or [],
+        remappings=renamed(given),
         output="screen",
         on_exit=Shutdown(reason=f"{name} has ended: it says above why"),
         sigterm_timeout=PATIENCE,
         sigkill_timeout=PATIENCE,
     )
+
+
+def renamed(given: dict[str, str]) -> list[tuple[str, str]]:
+    """The topics that have other names here."""
+    return [(ours, given[name]) for name, ours in NAMES.items() if given[name] != ours]
 
 
 def simulation(given: dict[str, str], describes: bool) -> dict[str, Parameters]:
@@ -136,6 +146,7 @@ def state_publisher(given: dict[str, str]) -> list[Node]:
             executable="robot_state_publisher",
             namespace=given["namespace"],
             parameters=[parameters],
+            remappings=renamed(given),
         )
     ]
 

@@ -165,6 +165,13 @@ def test_composed_they_are_one_process_with_the_same_parameters(described):
     assert started["on_exit"] is module.Shutdown.return_value
 
 
+def test_topics_have_the_names_that_were_given_and_no_rule_where_they_are_ours(described):
+    module = described(TRUNK, simulate="false", gearbox_states="motor/state", state_publisher="true")
+    rules = [call.kwargs["remappings"] for call in module.Node.call_args_list]
+    assert rules == [[("trunk/gearbox_states", "motor/state")]] * 2
+    assert all(call.kwargs["remappings"] == [] for call in described(TRUNK).Node.call_args_list)
+
+
 def test_where_a_node_of_ours_ends_all_end(described):
     module = described(TRUNK, record="bag")
     started = [call.kwargs for call in module.Node.call_args_list]
