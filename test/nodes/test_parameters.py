@@ -184,7 +184,7 @@ def test_a_timeout_and_the_control_settings_apply_at_once(made, peer):
     node.configure()
     for name, value in (("timeout", 3.0), ("reversal", 1e-3), ("max_acceleration", 7.0), ("state_rate", 1.0)):
         assert asked(node, name, value) == ""
-    assert node.gearbox_stream.timeout == node.joints_stream.timeout == 3.0
+    assert node.motors.stream.timeout == node.measured.stream.timeout == 3.0
     assert node.controller.settings.reversal == 1e-3
     assert node.controller.settings.max_acceleration == 7.0
     assert node.shown.rate == 1.0

@@ -12,10 +12,11 @@ from trunk_ros.nodes.control.controller import Controller
 from trunk_ros.nodes.control.controller_state import ControllerState
 from trunk_ros.nodes.control.foreign import ForeignReference
 from trunk_ros.nodes.control.parameters import settings_of
+from trunk_ros.nodes.control.states import HeardStates
+from trunk_ros.nodes.control.ways import Ways
 from trunk_ros.nodes.graph.base import TrunkNode
 from trunk_ros.nodes.graph.health import OK, REFUSED
-from trunk_ros.nodes.graph.joints import JointMatcher
-from trunk_ros.nodes.graph.messages import nanoseconds, state_of
+from trunk_ros.nodes.graph.messages import nanoseconds
 from trunk_ros.nodes.graph.model_swap import check_description
 from trunk_ros.nodes.graph.process import run_node
 from trunk_ros.nodes.graph.ros import FollowJointTrajectory, JointState, JointTrajectory, String
@@ -39,30 +40,19 @@ class Compensator(TrunkNode):
         says = self.health.note, self.refuse, self.end_goal
         self.controller = Controller(self.model, settings, self.simulated, *says)
         self.foreign_reference = ForeignReference(self.model.arm)
-        self.gearbox_stream = streams.watch("trunk/gearbox_states", timeout)
-        self.joints_stream = streams.watch("joint_states", timeout)
         self.publish_reference = streams.publish_joints("trunk/reference", joints)
         self.publish_setpoints = streams.publish_joints("trunk/setpoints", motors)
         self.shown = ControllerState(streams, joints, self.value("state_rate"))
         streams.obey(JointTrajectory, "trunk/joint_trajectory", self.on_trajectory, raw=True)
         streams.obey(JointState, "trunk/reference", self.on_reference, raw=True)
         gearbox, measured = (self.controller.observation_of(topic) for topic in ("gearbox", "joints"))
-        self.motors = JointMatcher(motors)
-        self._hear("trunk/gearbox_states", self.motors, self.gearbox_stream, gearbox)
-        self._hear("joint_states", JointMatcher(joints), self.joints_stream, measured)
+        self.motors = HeardStates(self, "trunk/gearbox_states", motors, timeout, gearbox)
+        self.measured = HeardStates(self, "joint_states", joints, timeout, measured)
+        self.ways = Ways(joints)
         streams.latched(String, "robot_description", self.on_description)
         self.action = FollowAction(self, self.controller) if FollowJointTrajectory is not None else None
 
     # In
-
-    def _hear(self, topic: str, matcher: JointMatcher, stream: Any, put: Any) -> None:
-        """Let the controller know of a topic of states."""
-
-        def take(message: Any) -> None:
-            stamp = self.streams.arrived(stream, message)
-            put(stamp, state_of(message, matcher))
-
-        self.streams.sense(topic, take)
 
     def on_description(self, message: Any) -> None:
         """Refuse to move an arm that is not the model's."""
@@ -116,12 +106,12 @@ class Compensator(TrunkNode):
     def graph(self) -> Graph:
         """What there is to know of the topics; who publishes them only where that matters."""
         assert self.controller is not None
-        now, lost = self.now(), self.gearbox_stream.stale(self.now())
-        fresh = self.joints_stream.last is not None and not self.joints_stream.stale(now)
+        now, lost = self.now(), self.motors.stream.stale(self.now())
+        fresh = self.measured.stream.last is not None and not self.measured.stream.stale(now)
         if self.controller.settled:
             return Graph(True, lost, fresh)
-        said = self.count_publishers("trunk/gearbox_states") > 0
-        return Graph(said, lost, fresh, self.count_publishers("trunk/setpoints") > 1, self.motors.lacking())
+        said, others = self.publishers("trunk/gearbox_states") > 0, self.publishers("trunk/setpoints") > 1
+        return Graph(said, lost, fresh, others, self.motors.matcher.lacking())
 
     # Out
 
@@ -143,8 +133,26 @@ class Compensator(TrunkNode):
             return  # a model in the place of joint_states has to see every step
         stamp, wanted, actual = self.controller.compared(now, graph.fresh)
         self.shown.tick(stamp, wanted, actual, command.setpoint)
+        reference = self.controller.reference
+        if graph.fresh and reference is not None and not self.controller.limited:
+            self.ways.see(now, reference, actual.position)
+            self.health.trouble("ways", self.ways.missed)
         if self.action is not None:
             self.action.tick(now, wanted, actual)
+
+    def diagnosing(self) -> None:
+        """Say what is odd about who is there."""
+        for heard in (self.motors, self.measured):
+            heard.look_for_rivals()
+        if self.controller is None or not self.controller.moves:
+            return
+        if self.controller.begin.blind:
+            topic = self.resolve_topic_name("trunk/gearbox_states")
+            self.health.note(f"nobody publishes {topic}: the arm moves unseen, as if it had stood at 0")
+        if self.publishers("trunk/setpoints") > 1:
+            there = self.get_publishers_info_by_topic("trunk/setpoints")
+            others = ", ".join(sorted({each.node_name for each in there} - {self.get_name()}))
+            self.health.note(f"trunk/setpoints: {others or 'another compensator'} publishes too: leave one")
 
     # What stops it
 
@@ -158,6 +166,8 @@ class Compensator(TrunkNode):
         self.end_goal(reason)
         if self.controller is not None:
             self.controller.stop()
+            self.ways = Ways(self.model.arm.joints)
+            self.health.trouble("ways", "")
 
     def halt(self) -> None:
         """Deactivated: stay."""

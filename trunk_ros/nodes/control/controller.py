@@ -156,9 +156,14 @@ class Controller:
         return None if self.running is None else self.running.follower.position
 
     @property
+    def moves(self) -> bool:
+        """Whether it sends the arm anywhere, rather than hold it where it was found."""
+        return self.running is not None and not self.running.idle
+
+    @property
     def settled(self) -> bool:
         """Whether it is under way, and no matter who else is on the graph."""
-        return self.running is not None and not self.running.idle and not self.begin.blind
+        return self.moves and not self.begin.blind
 
     def observation_of(self, topic: str) -> Callable[[int, State], None]:
         """A function that takes a stamp [ns] and a state: of the ``gearbox``, or of the ``joints``."""

@@ -94,6 +94,12 @@ class TrunkNode(ManagedNode):
         """ns of the node's clock: in simulated time the stamp of the step under way."""
         return self.loop.now()
 
+    def publishers(self, topic: str) -> int:
+        """How many nodes publish a topic of ours, whatever it was renamed to: rclpy counts those of a name
+        as it stands.
+        """
+        return int(self.count_publishers(self.resolve_topic_name(topic)))
+
     def every(self, seconds: float, function: Callable[[], Any]) -> None:
         """Call a function by the wall's clock, until the streams are closed."""
         self.streams.own(self.destroy_timer, self.create_timer(seconds, function, clock=steady_clock()))

@@ -16,6 +16,10 @@ class MessageError(TrunkError):
     """A message cannot be used; the node says so on diagnostics and goes on."""
 
 
+class StrangersError(MessageError):
+    """A message speaks of other joints alone."""
+
+
 class JointMatcher:
     """Brings the values of messages into the order of ``joints``.
 
@@ -43,7 +47,7 @@ class JointMatcher:
         self.missing = tuple(joint for joint in self.joints if joint not in names)
         self._names = None
         if not known:
-            raise MessageError(f"no joint of {', '.join(names) or 'an empty list'} belongs to the arm")
+            raise StrangersError(f"no joint of {', '.join(names) or 'an empty list'} belongs to the arm")
         self._from = [names.index(name) for name in known]
         self._to = [self.joints.index(name) for name in known]
         self._names, self._as_is = names, tuple(names) == self.joints

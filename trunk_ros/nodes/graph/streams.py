@@ -61,7 +61,7 @@ class Streams:
         """Hear a sensor, also with best effort: the next message makes up for a loss. ``raw``: the handler
         takes the bytes.
         """
-        self._listen(kind, topic, handler, RELIABLE if self.counted else SENSED, raw=raw)
+        self._listen(kind, topic, handler, RELIABLE if self.counted else SENSED, raw=raw, about=f"{topic}: ")
 
     def obey(self, kind: Any, topic: str, handler: Handler, raw: bool = False) -> None:
         """Hear commands, each of which counts. ``raw``: the handler takes the bytes."""
@@ -72,15 +72,23 @@ class Streams:
         self._listen(kind, topic, handler, LATCHED, always=True)
 
     def _listen(
-        self, kind: Any, topic: str, handler: Handler, qos: Any, raw: bool = False, always: bool = False
+        self,
+        kind: Any,
+        topic: str,
+        handler: Handler,
+        qos: Any,
+        raw: bool = False,
+        always: bool = False,
+        about: str = "",
     ) -> None:
+        """``about`` stands before what is said of messages that cannot be used."""
         read = bytes if raw else reader(kind)
         name, received = self.node.resolve_topic_name(topic), self.progress.received
 
         def arrived(data: bytes) -> None:
             received[name] += 1
             if self.node.active or always:
-                self.guarded(lambda: handler(read(data)))
+                self.guarded(lambda: handler(read(data)), about=about)
             if self.node.simulated:
                 self.node.tell()
 
@@ -111,7 +119,7 @@ class Streams:
 
     def arrived(self, stream: Stream, message: Any) -> int:
         """Note a message; returns its stamp [ns], now where it has none or that of another clock."""
-        stamp = self.own_time(nanoseconds(message.header.stamp), self.node.now())
+        stamp = self.own_time(stream, nanoseconds(message.header.stamp), self.node.now())
         self.heard(stream, stamp)
         return stamp
 
@@ -121,12 +129,14 @@ class Streams:
         """
         stream.arrived(stamp if self.node.simulated and stamp else self.node.now())
 
-    def own_time(self, stamp: int, now: int) -> int:
+    def own_time(self, stream: Stream, stamp: int, now: int) -> int:
         """A stamp [ns] as the node's clock would give it: ``now`` where it is missing or of another clock."""
         if not stamp:
             return now
         if abs(stamp - now) > NEAR and now >= 0:  # before the first /clock nothing is known
-            self.health.note("a stamp is more than a second off the clock; taken as now")
+            topic = next(name for name, each in self.health.streams.items() if each is stream)
+            way = "ahead of" if stamp > now else "behind"
+            self.health.note(f"{topic} is stamped more than a second {way} the clock: taken as now")
             return now
         return stamp
 
@@ -136,12 +146,12 @@ class Streams:
         """Have something destroyed with the streams."""
         self._parts.append((destroy, part))
 
-    def guarded(self, function: Callable[..., Any], *arguments: Any) -> Any:
+    def guarded(self, function: Callable[..., Any], *arguments: Any, about: str = "") -> Any:
         """Call, and turn a TrunkError into a line on diagnostics."""
         try:
             return function(*arguments)
         except TrunkError as error:
-            self.health.note(str(error))
+            self.health.note(f"{about}{error}")
             return None
 
     def count_partners(self) -> None:

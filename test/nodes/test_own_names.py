@@ -1,0 +1,120 @@
+"""An arm with topics of its own names, and what is said of sensors that cannot be used."""
+
+import time
+
+import numpy as np
+import pytest
+
+from test.nodes.graph import JOINTS, hears, needs_ros, running, words
+
+pytestmark = needs_ros
+
+NAMES = ("trunk/setpoints:=motor/command", "trunk/gearbox_states:=motor/state", "joint_states:=encoders")
+RENAMED = ["--ros-args", *(word for name in NAMES for word in ("-r", name))]
+
+
+def state(position, names=JOINTS):
+    from trunk_ros.nodes.graph.messages import joint_state
+
+    return joint_state(time.time_ns(), names, np.array(position, dtype=float))
+
+
+@pytest.fixture
+def arm(peer):
+    """The ends of an arm whose topics have names of its own."""
+    from trunk_ros.nodes.graph.ros import DiagnosticArray, JointState
+
+    class Arm:
+        motors = peer.publisher(JointState, "motor/state")
+        reference = peer.publisher(JointState, "trunk/reference")
+        setpoints = peer.listen(JointState, "motor/command")
+        said = peer.listen(DiagnosticArray, "diagnostics")
+
+    return Arm()
+
+
+def test_renamed_motors_that_do_not_say_where_they_stand_are_not_taken_to_stand_at_0(domain, peer, arm):
+    with running("compensator", *RENAMED, "-p", "patience:=0.5", domain=domain):
+        peer.meets(arm.motors, arm.reference, node="compensator")
+        peer.answered(
+            lambda: arm.reference.publish(state([0.1] * 5)),
+            lambda: "do not say where all joints stand" in words(arm.said, "compensator"),
+        )
+        assert not arm.setpoints
+        peer.answered(lambda: arm.motors.publish(state([0.2] * 5)), lambda: arm.setpoints)
+    np.testing.assert_allclose(arm.setpoints[0].position, 0.2, atol=0.02)
+
+
+def test_while_another_node_sends_renamed_setpoints_the_compensator_is_silent_and_then_says_so(
+    domain, peer, arm
+):
+    from trunk_ros.nodes.graph.ros import JointState
+
+    other = peer.publisher(JointState, "motor/command")
+    with running("compensator", *RENAMED, domain=domain):
+        peer.meets(arm.motors, arm.reference, node="compensator")
+        peer.answered(
+            lambda: arm.motors.publish(state([0.2] * 5)),
+            lambda: hears(arm.said, "compensator", "trunk/gearbox_states"),
+        )
+        peer.more(arm.said, 2)  # its own seconds
+        assert other.get_subscription_count()
+        assert not arm.setpoints
+
+        def move():
+            arm.motors.publish(state([0.2] * 5))
+            arm.reference.publish(state([0.1] * 5))
+
+        peer.answered(move, lambda: "test_peer publishes too" in words(arm.said, "compensator"))
+
+
+def test_an_arm_that_nobody_reads_is_said_to_move_unseen(domain, peer, arm):
+    with running("compensator", domain=domain):  # it was to be renamed
+        peer.meets(arm.reference, node="compensator")
+        peer.answered(
+            lambda: arm.reference.publish(state([0.1] * 5)),
+            lambda: "nobody publishes /trunk/gearbox_states" in words(arm.said, "compensator"),
+        )
+
+
+def test_messages_without_an_angle_are_not_heard_and_the_topic_is_named(domain, peer, arm):
+    bad = state([0.2] * 4, JOINTS[:3])
+    with running("compensator", *RENAMED, domain=domain):
+        peer.meets(arm.motors, node="compensator")
+        for message, said in (
+            (bad, "trunk/gearbox_states: 3 names but 4 values"),
+            (state([], []), "trunk/gearbox_states: no joint of an empty list"),
+            (state([np.nan] * 5), "trunk/gearbox_states: no angle of any joint"),
+        ):
+            peer.answered(
+                lambda message=message: arm.motors.publish(message),
+                lambda said=said: said in words(arm.said, "compensator"),
+            )
+        assert not hears(arm.said, "compensator", "trunk/gearbox_states")
+        part = state([0.2, np.nan, 0.2, 0.2], JOINTS[:4])
+        peer.answered(
+            lambda: arm.motors.publish(part),
+            lambda: f"no angle of {JOINTS[1]}, {JOINTS[4]}" in words(arm.said, "compensator"),
+        )
+
+
+def test_two_nodes_that_publish_the_same_joints_are_named_and_one_of_other_joints_is_not(domain, peer, arm):
+    from trunk_ros.nodes.graph.ros import JointState
+
+    second = peer.publisher(JointState, "motor/state")
+    with running("compensator", *RENAMED, domain=domain):
+        peer.meets(arm.motors, second, node="compensator")
+
+        def both(names):
+            arm.motors.publish(state([0.2] * 5))
+            second.publish(state([0.3] * 5, names))
+
+        peer.answered(lambda: both(JOINTS), lambda: "publish the same" in words(arm.said, "compensator"))
+        before = len(arm.said)
+
+        def with_gripper():
+            both([f"finger_{number}" for number in range(5)])
+            return [each for each in arm.said[before:] if "same" not in words([each], "compensator")]
+
+        peer.until(lambda: len(with_gripper()) > 2)
+        assert "finger" not in words(arm.said[before:], "compensator")
