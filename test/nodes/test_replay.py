@@ -191,3 +191,11 @@ def test_looped_it_begins_again_until_it_is_ended(domain, peer, bag):
         peer.until(lambda: len(gearbox) > 2 * COUNT)
         assert ended(process, signal.SIGINT)[0] == 0
     assert gearbox[COUNT : 2 * COUNT] == gearbox[:COUNT]
+
+
+def test_the_model_of_a_comparison_has_the_short_form_that_it_has_in_every_command():
+    from trunk_ros.nodes.bags.replay_arguments import parser
+
+    assert (
+        parser().parse_args(["bag", "--through", "wire_elasticity", "-m", "mine.yaml"]).model == "mine.yaml"
+    )

@@ -40,7 +40,9 @@ def parser() -> argparse.ArgumentParser:
     again.add_argument(
         "--through", choices=list(NODES), help="compare what this node says with what was recorded"
     )
-    again.add_argument("--model", metavar="MODEL", help="of that node; by default what the bag says it had")
+    again.add_argument(
+        "-m", "--model", metavar="MODEL", help="of that node; by default what the bag says it had"
+    )
     add_namespace(again)
     again.add_argument(
         "--tolerance", type=float, metavar="X", help="exit with 1 where a quantity differs by more [SI]"
