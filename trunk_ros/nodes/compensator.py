@@ -15,13 +15,16 @@ from trunk_ros.nodes.control.parameters import settings_of
 from trunk_ros.nodes.control.states import HeardStates
 from trunk_ros.nodes.control.ways import Ways
 from trunk_ros.nodes.graph.base import TrunkNode
-from trunk_ros.nodes.graph.health import OK, REFUSED
+from trunk_ros.nodes.graph.health import OK, REFUSED, WARN
 from trunk_ros.nodes.graph.messages import nanoseconds
 from trunk_ros.nodes.graph.model_swap import check_description
 from trunk_ros.nodes.graph.process import run_node
 from trunk_ros.nodes.graph.ros import FollowJointTrajectory, JointState, JointTrajectory, String
 from trunk_ros.nodes.graph.trajectory_reader import read_order
 from trunk_ros.nodes.parameters import PARAMETERS
+
+OTHERS = "others on trunk/setpoints"
+"""The value under which it names nodes that may send setpoints while it moves the arm."""
 
 
 class Compensator(TrunkNode):
@@ -149,10 +152,16 @@ class Compensator(TrunkNode):
         if self.controller.begin.blind:
             topic = self.resolve_topic_name("trunk/gearbox_states")
             self.health.note(f"nobody publishes {topic}: the arm moves unseen, as if it had stood at 0")
+        self._say_who_else_may_move_it()
+
+    def _say_who_else_may_move_it(self) -> None:
+        before, others = self.health.values.pop(OTHERS, ""), ""
         if self.publishers("trunk/setpoints") > 1:
             there = self.get_publishers_info_by_topic("trunk/setpoints")
             others = ", ".join(sorted({each.node_name for each in there} - {self.get_name()}))
-            self.health.note(f"trunk/setpoints: {others or 'another compensator'} publishes too: leave one")
+            others = self.health.values[OTHERS] = others or "another compensator"
+        if others and others != before:
+            self.log(WARN, f"trunk/setpoints may also come from {others}: only one may move the arm")
 
     # What stops it
 
