@@ -137,3 +137,26 @@ def test_a_gripper_beside_the_arm_and_a_node_that_could_publish_and_does_not_are
 
         peer.until(with_gripper)
     assert arm.said[-1].status[0].level == b"\0"
+
+
+def test_a_joint_that_turns_the_other_way_is_an_error(domain, peer, arm):
+    from trunk_ros.nodes.graph.ros import JointState
+
+    encoders = peer.publisher(JointState, "encoders")
+
+    def stand():
+        at = np.array(arm.setpoints[-1].position) if arm.setpoints else np.zeros(5)
+        arm.motors.publish(state(at))
+        encoders.publish(state(-at))
+
+    with running("compensator", *RENAMED, "-p", "timeout:=60.0", domain=domain):
+        peer.meets(arm.motors, encoders, arm.reference, node="compensator")
+        peer.answered(stand, lambda: hears(arm.said, "compensator", "joint_states"))
+
+        def sent():
+            stand()
+            arm.reference.publish(state([0.3] * 5))
+            return "was asked: does the model have" in words(arm.said[-1:], "compensator")
+
+        peer.until(sent)
+        assert arm.said[-1].status[0].level == b"\2"

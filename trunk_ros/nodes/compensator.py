@@ -139,12 +139,12 @@ class Compensator(TrunkNode):
         reference = self.controller.reference
         if graph.fresh and reference is not None and not self.controller.limited:
             self.ways.see(now, reference, actual.position)
-            self.health.trouble("ways", self.ways.missed)
         if self.action is not None:
             self.action.tick(now, wanted, actual)
 
     def diagnosing(self) -> None:
-        """Say what is odd about who is there."""
+        """Once a second: which joints go astray, and what is odd about who is there."""
+        self.health.trouble("ways", self.ways.missed)
         for heard in (self.motors, self.measured):
             heard.look_for_rivals()
         if self.controller is None or not self.controller.moves:
