@@ -7,6 +7,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 from itertools import product
+from operator import itemgetter
 
 import numpy as np
 
@@ -27,8 +28,6 @@ from trunk_ros.diagnosis.servos.servo_loop import (
 from trunk_ros.levels import CLEARLY
 from trunk_ros.model import Model
 from trunk_ros.recording.recording import Recording
-
-FASTER = (STEP / 2.0, 0.0)  # s: loops of drives run at 1 kHz, or so fast that no recording tells how fast
 
 Told = tuple[Loop, Array]
 """The loop of a joint's servo, and its (5,) numbers as a model has them, as in SERVO_OF_EACH."""
@@ -71,20 +70,22 @@ def with_its_step(model: Model, recordings: Sequence[Recording], told: Sequence[
     def stepped(step: float) -> Sequence[Told]:
         return _in_their_noise(told, _told(_in_steps(model, step), recordings))
 
-    near = STEP * (1.0 - _nearer(told, stepped(0.0)))
-    there = stepped(near)
-    if _explains(there):
+    quick = stepped(0.0)
+    near = STEP * (1.0 - _nearer(told, quick))
+    if _explains(stepped(near)):
         return _in_steps(model, near)
     left = _left(told, quickly=True)
-    best, least = near, _times(_left(there, quickly=True), left)
-    for step in FASTER:
-        times = _times(_left(stepped(step), quickly=True), left)
-        if times < least:
-            best, least = step, times
-        elif step == FASTER[0] and times >= 1.0:
-            break
-    nearer = CLEARLY * least < 1.0
-    return _in_steps(model, best) if nearer and _explains_as_much(stepped(best), told) else model
+    fitted, rest = _fitted(quick, quickly=True)
+    alike = [(loop, numbers) for (loop, _), (_, numbers) in zip(told, fitted, strict=True)]
+    again = STEP * (1.0 - _nearer(alike, fitted))
+    looks = [(_times(rest, left), 0.0), (_times(_left(stepped(again), quickly=True), left), again)]
+    (first, _), (second, _) = looks
+    if 0.0 < second < first:  # what steps leave is in proportion to how far off they are
+        ends = min(again * first / (first - second), STEP)
+        looks.append((_times(_left(stepped(ends), quickly=True), left), ends))
+    times, step = min(looks)
+    nearer = CLEARLY * times < 1.0
+    return _in_steps(model, step) if nearer and _explains_as_much(stepped(step), told) else model
 
 
 def _told(model: Model, recordings: Sequence[Recording]) -> list[Told]:
@@ -176,18 +177,26 @@ def _in_all(told: Sequence[Told]) -> float:
 
 
 def _left(told: Sequence[Told], quickly: bool = False, speeding: bool = False) -> Array:
-    """(joints,) what loops like those of a model leave, rms over noise, of other gains, delays and top
-    speeds, as effects make them; ``quickly``: as a rough fit by one method has it; ``speeding``: also with
-    other velocity loops.
+    """(joints,) what loops leave, rms over noise, as they are ``_fitted``."""
+    return _fitted(told, quickly, speeding)[1]
+
+
+def _fitted(told: Sequence[Told], quickly: bool = False, speeding: bool = False) -> tuple[list[Told], Array]:
+    """Loops like those of a model with other gains, delays and top speeds, as effects make them, and what
+    they leave (joints,), rms over noise; ``quickly``: as a rough fit by one method has it; ``speeding``: also
+    with other velocity loops.
     """
-    rms, methods = [], METHODS[: 1 if quickly else None]
+    best, rms, methods = [], [], METHODS[: 1 if quickly else None]
     for loop, numbers in told:
-        context, column = loop.context, loop.column
-        cost = _but_for_a_lag(loop, numbers)
+        cost, found = _but_for_a_lag(loop, numbers), numbers
         if not is_explained(loop, cost):
             tau_v, share = None if speeding else float(numbers[1]), None if numbers[-1] else -1
-            for top, method in product((numbers[TOP_SPEED][0], fastest_of(context, column)), methods):
+            for top, method in product(
+                (numbers[TOP_SPEED][0], fastest_of(loop.context, loop.column)), methods
+            ):
                 start = loop.at(np.where(TOP_SPEED, top, numbers))[:share]
-                cost = min(cost, loop.left(numbers_of(loop.fitted(start, method, tau_v, quickly).x, tau_v)))
-        rms.append(np.sqrt(cost / context.count(column)))
-    return np.array(rms)
+                other = numbers_of(loop.fitted(start, method, tau_v, quickly).x, tau_v)
+                cost, found = min((cost, found), (loop.left(other), other), key=itemgetter(0))
+        best.append((loop, found))
+        rms.append(np.sqrt(cost / loop.context.count(loop.column)))
+    return best, np.array(rms)
