@@ -23,15 +23,28 @@ def held(period: float) -> JointSeries:
 
 
 def test_a_play_of_a_third_of_the_motion_is_a_wide_loop_and_one_of_a_hundredth_is_not() -> None:
-    assert is_wide(SWING, SPEED, played(0.3), SWING + played(0.3))
-    assert not is_wide(SWING, SPEED, played(0.01), SWING + played(0.01))
+    assert is_wide(SWING, played(0.3), SWING + played(0.3))
+    assert not is_wide(SWING, played(0.01), SWING + played(0.01))
 
 
 def test_a_loop_is_as_wide_of_a_drive_whose_ratio_nobody_knew() -> None:
     """Volts for micrometres: a loop of a third of what the stack moves is one of a hundredth of the volts."""
     for half_width, wide in ((0.3, True), (0.01, False)):
         shown = SWING + played(half_width)
-        assert is_wide(30.0 * SWING, 30.0 * SPEED, shown - 30.0 * SWING, shown) == wide
+        assert is_wide(30.0 * SWING, shown - 30.0 * SWING, shown) == wide
+
+
+def test_a_motor_that_trembles_while_its_joint_creeps_is_no_wide_loop_and_hides_nothing() -> None:
+    """A muscle under a pressure that steps, overshoots and holds: psi for mm, the ratio is far off."""
+    noise = np.random.default_rng(3).normal(0.0, 0.2, T.shape)
+    pressure = np.interp(T, [0.0, 2.0, 2.2, 2.4], [0.0, 0.0, 250.0, 240.0]) + noise
+    shown = 0.04 * pressure + 5.0 * (1.0 - np.exp(-np.maximum(T - 2.4, 0.0) / 5.0))
+    assert not is_wide(pressure, shown - pressure, shown)
+
+
+def test_who_has_gone_as_far_as_ever_lies_at_one_side_of_a_play_before_he_turns() -> None:
+    rises = np.interp(T, [0.0, 5.0, 15.0, 20.0], [0.0, 1.0, 1.0, 0.0])
+    assert turned(rises).tolist() == (T[np.argmax(rises >= 0.9)] <= T).tolist()
 
 
 def test_a_swing_at_one_pace_tells_nothing_of_speed_and_one_at_two_paces_does() -> None:

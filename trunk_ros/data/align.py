@@ -79,7 +79,7 @@ def wire_span(recording: Recording, model: ArmModel) -> Span:
     counting = tuple(each.mean(axis=0) for each in (read, seen, met, valid))
     early = np.zeros_like(valid)
     if len(rows) > 1 and float(np.median(np.diff(grid[rows]))) < SLOW:
-        late = _beside_wide_loops(u[at], velocity[at], target, valid)
+        late = _beside_wide_loops(u[at], target, valid)
         valid, early = valid & late, valid & ~late
         for j in np.flatnonzero(early.any(axis=0)):
             early[:, j] &= ~passed(u[rows, j], velocity[rows, j], valid[:, j])
@@ -122,13 +122,13 @@ def with_the_unseen(span: Span, stops: bool) -> Span:
     )
 
 
-def _beside_wide_loops(u: Array, speed: Array, target: Array, valid: np.ndarray) -> np.ndarray:
+def _beside_wide_loops(u: Array, target: Array, valid: np.ndarray) -> np.ndarray:
     """(n, joints): from the first turn on where the loop is wide: its play is not as forgetful as a narrow
     one.
     """
     out = np.ones_like(valid)
     for j, seen in enumerate(valid.T):
-        if is_wide(u[seen, j], speed[seen, j], (target - u)[seen, j], target[seen, j]):
+        if is_wide(u[seen, j], (target - u)[seen, j], target[seen, j]):
             out[:, j] = turned(u[:, j])
     return out
 

@@ -19,13 +19,19 @@ STANDS = 3e-4  # rad: a joint that moves less stands
 MOVED = 0.15  # of the range: the way after which a joint has turned, and how it lay is forgotten
 
 
-def is_wide(position: Array, speed: Array, residual: Array, shown: Array) -> bool:
+def is_wide(position: Array, residual: Array, shown: Array) -> bool:
     """Whether the residual (n,) of a joint on its way up and on its way down differs by much of the motion;
-    of what the joint has ``shown`` (n,) of it, where nobody knew its ratio.
+    of what the joint has ``shown`` (n,) of it, where nobody knew its ratio. What is in proportion to the
+    motion is no loop, and a motor that trembles where it rests goes neither way, whatever creeps there.
     """
     if not len(position) or np.ptp(position) == 0.0:
         return False
-    down, up = _means(_cells(position, speed), residual).reshape(2, PLACES)
+    about = position - np.mean(position)
+    loop = residual - float(about @ residual) / float(about @ about) * about
+    path = _untrembling(position)
+    way = np.diff(path, prepend=path[0])
+    goes = way != 0.0
+    down, up = _means(_cells(position[goes], way[goes]), loop[goes]).reshape(2, PLACES)
     both = (up - down)[np.isfinite(up - down)]
     went, foretold = float(np.std(shown)), float(np.std(shown - residual))
     moved = float(np.std(position)) * (went / foretold if went < foretold else 1.0)
@@ -65,7 +71,7 @@ def repeats(position: Array, speed: Array) -> bool:
     Until then what it did before the recording is in any loop, and one that is gone through once is a matter
     of time as well as of the motion.
     """
-    seen = np.maximum.accumulate(position) - np.minimum.accumulate(position)
+    seen = _seen(position)
     return _again(position, speed, int(np.argmax(seen >= NEARLY * seen[-1]))) > PART
 
 
@@ -73,12 +79,17 @@ def passes_again(position: Array) -> bool:
     """Whether a joint (n,), once it has turned, passes places again in the same direction: how its loop
     changes from swing to swing is shown there. What it trembles by where it rests is no motion.
     """
-    trembles = np.zeros(len(position))
-    drag(position, np.array([STILL / 2 * np.ptp(position)]), np.ones(1), position[:1].copy(), trembles)
-    path = position - trembles
+    path = _untrembling(position)
     path = path[np.diff(path, prepend=np.nan) != 0.0]
     begin = turned(path)
     return bool(begin.any()) and _again(path, np.gradient(path), int(np.argmax(begin))) > STILL
+
+
+def _untrembling(position: Array) -> Array:
+    """(n,) the way of a joint without what it trembles by where it rests."""
+    trembles = np.zeros(len(position))
+    drag(position, np.array([STILL / 2 * np.ptp(position)]), np.ones(1), position[:1].copy(), trembles)
+    return np.asarray(position - trembles)
 
 
 def _again(position: Array, speed: Array, begin: int) -> float:
@@ -102,6 +113,13 @@ def comes_back(position: Array) -> bool:
     return bool(up.max() > least and down.max() > least)
 
 
+def holds(position: Array) -> bool:
+    """Whether a joint (n,) rests at one place for a good part of the time, however it trembles there."""
+    moves = np.flatnonzero(np.diff(_untrembling(position)) != 0.0)
+    edges = np.concatenate([[-1], moves, [len(position) - 1]])
+    return bool(np.diff(edges).max() > PART * len(position))
+
+
 def extent(angles: Array) -> Array:
     """(n, joints) how far joints at angles (n, joints) have been at most from where they began."""
     away = angles - angles[0]
@@ -110,13 +128,18 @@ def extent(angles: Array) -> Array:
 
 
 def turned(position: Array) -> np.ndarray:
-    """(n,) from where a joint has moved, turned and come back some way: a wide play lies at its one side by
-    then, wherever it lay when the recording began.
+    """(n,) from where a joint has moved, turned and come back some way, or gone as far as ever: a wide play
+    lies at its one side by then, wherever it lay when the recording began.
     """
     least = MOVED * float(np.ptp(position))
     away = np.abs(position - position[0])
     back = np.maximum.accumulate(away) - away > least
-    return np.asarray(np.maximum.accumulate(back))
+    return np.asarray(np.maximum.accumulate(back | (_seen(position) >= NEARLY * np.ptp(position))))
+
+
+def _seen(position: Array) -> Array:
+    """(n,) the range that a joint has gone through so far."""
+    return np.asarray(np.maximum.accumulate(position) - np.minimum.accumulate(position))
 
 
 def passed(position: Array, speed: Array, seen: np.ndarray) -> np.ndarray:

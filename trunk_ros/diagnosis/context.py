@@ -170,14 +170,14 @@ class Context:
 
     def motion(self, column: int) -> Motion:
         """What a joint's motion is like."""
-        masses = self.arm.has_load and self.arm.load_from == "weight"
-        one_way, once = (column in those and not self.doubts for those in (self.stage.one_way, self.once))
-        bears = self.stage.has_load and self.stage.bears(column)
-        return Motion(column in self.wide, one_way, once, masses, bears, column in self.stage.resting)
+        stage, masses = self.stage, self.arm.has_load and self.arm.load_from == "weight"
+        one_way, once = (column in those and not self.doubts for those in (stage.one_way, self.once))
+        bears, wide = stage.has_load and stage.bears(column), column in self.wide
+        return Motion(wide, one_way, once, masses, bears, column in stage.resting, column in stage.holding)
 
     def timed(self, column: int) -> bool:
-        """Whether a column shows what varies with time: it comes back, through its loop more than once."""
-        return column not in self.stage.one_way | self.once
+        """Whether a column shows what varies with time: it rests, or goes through its loop more than once."""
+        return column not in (self.stage.one_way - self.stage.holding) | self.once
 
     @property
     def formed(self) -> frozenset[int]:

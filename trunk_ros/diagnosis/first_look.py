@@ -64,7 +64,7 @@ def _loop(context: Context, column: int) -> tuple[bool, bool]:
     """
     each = _motions(context, column)
     position, speed, rest, shown = map(np.concatenate, each)
-    if not is_wide(position, speed, rest, shown):
+    if not is_wide(position, rest, shown):
         return False, False
     alike = context.step < SLOW and not speed_tells(*each[:2])
     return alike, not repeats(position, speed)

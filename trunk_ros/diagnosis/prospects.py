@@ -19,7 +19,6 @@ from trunk_ros.diagnosis.stages.servo import ServoStage
 from trunk_ros.diagnosis.stages.wire import WireStage
 from trunk_ros.diagnosis.verdict.answer import STAGES
 from trunk_ros.effects import Effect, registry
-from trunk_ros.effects.effect import UNTOLD
 from trunk_ros.errors import TrunkError
 from trunk_ros.model import Model
 from trunk_ros.recording.recording import Recording
@@ -34,6 +33,7 @@ LACKS = {
 }
 RARE = "the recording stops and measures, or always moves alike: it shows nothing of speed and holds"
 ONE_WAY = "no joint turns back: the recording shows nothing of reversals, holds and time"
+HOLDS = "no joint turns back: the recording shows nothing of reversals"
 HIDDEN = "the motion of no joint can show it"
 
 
@@ -91,8 +91,10 @@ def _unseen(context: Context, seen: list[str]) -> dict[str, list[str]]:
 
 
 def _reason(context: Context, kind: type[Effect]) -> str:
-    if kind.regime in UNTOLD and set(context.columns) <= context.stage.one_way:
-        return ONE_WAY
+    if set(context.columns) <= context.stage.one_way and all(
+        kind.regime in context.motion(c).untold for c in context.columns
+    ):
+        return HOLDS if context.stage.holding else ONE_WAY
     if kind.regime in DYNAMIC and not context.speed_tells:
         return RARE
     has = what_it_has(context)

@@ -24,7 +24,6 @@ Regime = Literal["always", "posture", "reversal", "hold", "low_speed", "high_spe
 
 
 AT_REST = ("always", "time", "reversal")  # regimes shown by a joint that others move and not its motor
-UNTOLD = ("reversal", "hold", "time")  # regimes of which a joint that never comes back shows nothing
 
 
 class Effect(ABC):
@@ -175,8 +174,7 @@ class Effect(ABC):
         """The forms that a joint's motion can show, if any."""
         if motion.rests and cls.regime not in AT_REST and "several" not in cls.needs:
             return tuple(filter(cls.bears, cls.forms))
-        untold = UNTOLD if motion.one_way else ("time",) if motion.once else ()
-        return () if cls.regime in untold else cls.forms
+        return () if cls.regime in motion.untold else cls.forms
 
     def transients(self, now: Now) -> Transients | None:
         """How one joint may swing or creep besides, from before the recording, by knocks, or by what nobody

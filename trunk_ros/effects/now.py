@@ -112,6 +112,9 @@ def borne(load: Array) -> float:
     return float(np.sqrt(np.mean(load**2)))
 
 
+UNTOLD = ("reversal", "hold", "time")  # regimes of which a joint that goes on and on shows nothing
+
+
 @dataclass(frozen=True)
 class Motion:
     """What a joint's motion is like, for what can be told from it."""
@@ -128,6 +131,15 @@ class Motion:
     """It bears a load, which is known."""
     rests: bool = False
     """Its motor does: others, the load or time may move it."""
+    holds: bool = False
+    """Its motor rests for a good part of the recording: posture is no reason for what goes on meanwhile."""
+
+    @property
+    def untold(self) -> tuple[str, ...]:
+        """Regimes of which it shows nothing."""
+        if self.one_way:
+            return ("reversal",) if self.holds else UNTOLD
+        return ("time",) if self.once else ()
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,7 @@ from typing import Protocol
 import numpy as np
 
 from trunk_ros.compiled import Array
-from trunk_ros.data.motion_content import STANDS, comes_back
+from trunk_ros.data.motion_content import STANDS, comes_back, holds
 from trunk_ros.data.noise import Noise
 from trunk_ros.data.repeated_readings import coarseness
 from trunk_ros.data.span import Span
@@ -97,7 +97,9 @@ class Stage(ABC):
         self.resting = frozenset(columns) - moving
         """Columns whose input stands."""
         self.one_way = frozenset(c for c in moving if not any(comes_back(s.source[:, c]) for s in spans))
-        """Columns that go on and never come back: nothing can be told of reversals or of time."""
+        """Columns that go on and never come back: nothing can be told of reversals."""
+        self.holding = frozenset(c for c in self.one_way if any(holds(s.source[:, c]) for s in spans))
+        """Those of them that rest for long on their way: of the others nothing can be told of time."""
 
     def over(self, spans: Sequence[Span]) -> Stage:
         """The same stage and sensors over other spans of the same arm."""
