@@ -37,6 +37,7 @@ LARGER: dict[str, dict[str, float]] = {  # where the usual size would hardly be 
     "wire_slip": {"onset": 20.0},
     "wrap_friction": {"gain": 3e-3},
     "velocity_saturation": {"v_max": 0.6},
+    "uneven_speed": {"excess": 0.6},
     "hard_stop": {"upper": 0.2},
     "thermal_drift": {"time_constant": 15.0},
     "viscoelastic_creep": {"time_constant": 2.0},

@@ -23,7 +23,7 @@ from trunk_ros.effects.wire.play import SharpPlay
 LATE, EARLY = 1.5, 1e-3  # setpoint periods: what comes later than that stood before; rounding of stamps
 SENSOR = 700  # wire effects from this place on change the reading, not the joint
 
-LOOP = (*SERVO_OF_EACH, "pull", "load", "torque", "rub", "dead_zone", "cogging")
+LOOP = (*SERVO_OF_EACH, "uneven", "pull", "load", "torque", "rub", "dead_zone", "cogging")
 
 Memory = dict[str, Any]
 
@@ -157,6 +157,7 @@ def servo_core(arm: Arm, effects: Sequence[Effect], now: Now, numbers: Array | N
         kp=kp,
         tau_v=tau_v,
         v_max=v_max,
+        uneven=none,
         delay=delay,
         feedforward=feedforward,
         ahead=arm.ahead,
@@ -237,24 +238,23 @@ def speeds(setpoints: Array, stamps: Array) -> Array:
 
 def _step(core: Core, setpoints: Array, stamps: Array, skip: int, state: Array, out: Array) -> None:
     """Step the loops, side by side where that pays and nothing of them changes."""
-    numbers = core.kp, core.tau_v, core.v_max, core.delay, core.pull, core.load, core.torque, core.rub
+    numbers = core.kp, core.tau_v, *core.tops, core.delay, core.pull, core.load, core.torque, core.rub
     reached = np.where(core.rub.any(axis=0), np.maximum(core.reach, np.abs(core.rub).max(axis=0)), 0.0)
-    steady = all(len(one) == 1 for one in (*numbers[:4], core.torque, core.rub, core.cogging))
+    steady = all(len(one) == 1 for one in (*numbers[:5], core.torque, core.rub, core.cogging))
     cogging = np.stack(np.broadcast_arrays(core.cogging, *core.teeth))
     least = SEVERAL if core.rub.any() or core.cogging.any() else 2 * SEVERAL
     if out.shape[1] < least or not steady:
-        kp, tau_v, v_max, delay, pull, load, torque, rub = map(np.ascontiguousarray, numbers)  # compiled once
+        kp, tau_v, up, down, delay, pull, load, torque, rub = map(np.ascontiguousarray, numbers)
         servo_loop(
-            setpoints, stamps, kp, tau_v, v_max, delay, pull, load, torque, rub, reached, core.dead_zone,
+            setpoints, stamps, kp, tau_v, up, down, delay, pull, load, torque, rub, reached, core.dead_zone,
             cogging, core.ahead, skip, state, out,
         )  # fmt: skip
         return
-    kp, tau_v, v_max, delay, _, _, torque, rub = (number[0] for number in numbers)
-    over_time = core.pull, core.load, core.dead_zone
-    pull, load, zone = (np.zeros_like(out) + number for number in over_time)
+    kp, tau_v, up, down, delay, _, _, torque, rub = (number[0] for number in numbers)
+    pull, load, zone = (np.zeros_like(out) + number for number in (core.pull, core.load, core.dead_zone))
     cogging = np.ascontiguousarray(cogging[:, 0])
     servo_loops(
-        setpoints, stamps, kp, tau_v, v_max, delay, pull, load, torque, rub, reached, zone, cogging,
+        setpoints, stamps, kp, tau_v, up, down, delay, pull, load, torque, rub, reached, zone, cogging,
         core.ahead, skip, state, out,
     )  # fmt: skip
 

@@ -86,7 +86,7 @@ def stamps(seconds: float, rate: float) -> Array:
 def usual(parameter: Parameter, joint: int) -> float:
     """A usual value of a parameter, a little another for each joint."""
     special = {"onset": 8.0, "low": -0.3, "high": 0.3, "payload": 0.02, "threshold": 0.02, "moment": 0.1}
-    special |= {"v_max": 0.3, "upper": 0.18, "lower": -0.18}
+    special |= {"v_max": 0.3, "excess": 0.85, "upper": 0.18, "lower": -0.18}
     if parameter.name in special:
         return special[parameter.name]
     if parameter.name.startswith("value_"):

@@ -43,6 +43,7 @@ TABLE: dict[str, tuple[str, str, dict[str, str], set[str]]] = {
     "servo_bandwidth": ("servo", "high_speed", {"relative": "1"}, {"relative"}),
     "velocity_loop": ("servo", "high_speed", {"relative": "1"}, {"relative"}),
     "velocity_saturation": ("servo", "high_speed", {"v_max": "rad/s"}, {"v_max"}),
+    "uneven_speed": ("servo", "high_speed", {"excess": "1"}, set()),
     "load_droop": ("servo", "posture", {"gain": "rad/(N*m)"}, {"gain"}),
     "cogging": (
         "servo", "posture", {"amplitude": "rad", "cycles_per_rev": "1"}, {"amplitude", "cycles_per_rev"},

@@ -39,6 +39,8 @@ class Core:
     kp: Array = field(default_factory=lambda: NONE)
     tau_v: Array = field(default_factory=lambda: NONE)
     v_max: Array = field(default_factory=lambda: NONE)
+    uneven: Array = field(default_factory=lambda: NONE)
+    """(1 or n, columns) share of the top speed by which it is higher upwards, and lower downwards."""
     delay: Array = field(default_factory=lambda: NONE)
     feedforward: Array = field(default_factory=lambda: NONE)
     ahead: float = 0.0
@@ -68,3 +70,8 @@ class Core:
     """(joints, 2, 3) unit vectors across each joint's axis."""
     bent: Array | float = 0.0
     """(n, joints) rad or m that the tip has more of each joint than its sensor shows."""
+
+    @property
+    def tops(self) -> tuple[Array, Array]:
+        """(1 or n, columns) rad/s: the top speeds upwards and downwards."""
+        return self.v_max * (1.0 + self.uneven), self.v_max * (1.0 - self.uneven)

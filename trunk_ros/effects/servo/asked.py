@@ -34,16 +34,17 @@ def speed_asked(
     gain: float,
     rest: float,
     zone: float,
+    least: float,
     most: float,
 ) -> float:
     """rad/s in a step of ``h`` s from ``t`` on in which setpoints change, from row ``held`` on: the mean of
-    what each asks for. What the mean of them would ask for is the top speed for all of a step of which the
-    new one has a part; ``rest`` is what else is in the error.
+    what each asks for, between ``least`` and ``most``. What the mean of them would ask for is the top speed
+    for all of a step of which the new one has a part; ``rest`` is what else is in the error.
     """
-    before = min(max(gain * beyond(setpoint[held, j] + rest, zone), -most), most)
+    before = min(max(gain * beyond(setpoint[held, j] + rest, zone), least), most)
     mean, after = before, held + 1
     while after < k and stamp[after] < t + h - 1e-9:
-        now = min(max(gain * beyond(setpoint[after, j] + rest, zone), -most), most)
+        now = min(max(gain * beyond(setpoint[after, j] + rest, zone), least), most)
         mean += (t + h - stamp[after]) / h * (now - before)
         before = now
         after += 1

@@ -48,7 +48,8 @@ def servo_loop(
     stamp: Array,
     kp: Array,
     tau_v: Array,
-    v_max: Array,
+    up: Array,
+    down: Array,
     delay: Array,
     pull: Array,
     load: Array,
@@ -62,7 +63,7 @@ def servo_loop(
     state: Array,
     out: Array,
 ) -> None:
-    """Gearbox angle at each stamp, before the setpoint of that stamp acts.
+    """Gearbox angle at each stamp, before the setpoint of that stamp acts. ``up``, ``down``: top speeds.
 
     ``setpoint`` (m, columns) and ``stamp`` (m,) start with the ``skip`` past rows that a delay may need;
     ``out`` (m - skip, columns); ``state`` (4, columns) is angle, speed, where the wire stuck and what the
@@ -83,7 +84,8 @@ def servo_loop(
         held, smooth, known, lag = 0, 0.0, -1.0, -1.0
         for k in range(skip, rows):
             r = k - skip
-            gain, tau, most, late = at(kp, r, j), at(tau_v, r, j), at(v_max, r, j), at(delay, r, j)
+            gain, tau, late = at(kp, r, j), at(tau_v, r, j), at(delay, r, j)
+            most, least = at(up, r, j), -at(down, r, j)
             pulled, rubs, zone = at(pull, r, j), at(rub, r, j), at(dead_zone, r, j)
             bears, past = at(load, r, j), at(torque, r, j)
             size, cycles, phase = at(cogging[0], r, j), at(cogging[1], r, j), at(cogging[2], r, j)
@@ -124,9 +126,9 @@ def servo_loop(
                     error = target + (1.0 - past) * tension - (phi + ahead * h * v)
                     if changes:
                         rest = error - mean
-                        v_ref = speed_asked(setpoint, stamp, j, k, held, t, h, gain, rest, zone, most)
+                        v_ref = speed_asked(setpoint, stamp, j, k, held, t, h, gain, rest, zone, least, most)
                     else:
-                        v_ref = min(max(gain * beyond(error, zone), -most), most)
+                        v_ref = min(max(gain * beyond(error, zone), least), most)
                     v_ref += gain * past * tension
                     before = v
                     v += smooth * (v_ref - v)
@@ -145,7 +147,8 @@ def servo_loops(
     stamp: Array,
     kp: Array,
     tau_v: Array,
-    v_max: Array,
+    up: Array,
+    down: Array,
     delay: Array,
     pull: Array,
     load: Array,
@@ -235,13 +238,13 @@ def servo_loops(
                 for j in range(columns):
                     goes_on = i < substeps[j]
                     v_ref = kp[j] * error[j]
-                    v_ref = v_max[j] if v_ref > v_max[j] else v_ref  # not min, which could not be vectorised
-                    v_ref = -v_max[j] if v_ref < -v_max[j] else v_ref
+                    v_ref = up[j] if v_ref > up[j] else v_ref  # not min, which could not be vectorised
+                    v_ref = -down[j] if v_ref < -down[j] else v_ref
                     if mix and goes_on and first_of[row, j] >= 0:
                         begun, zone = first_of[row, j], dead_zone[k - skip, j]
                         t = stamp[k] - span + i * h[j] - delay[j]
                         v_ref = speed_asked(
-                            setpoint, stamp, j, k, begun, t, h[j], kp[j], whole[j], zone, v_max[j]
+                            setpoint, stamp, j, k, begun, t, h[j], kp[j], whole[j], zone, -down[j], up[j]
                         )
                     v_ref += kp[j] * torque[j] * tension[j]
                     before = v[j]

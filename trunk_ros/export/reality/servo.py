@@ -35,7 +35,8 @@ class Servo:
         def spread(values: Array) -> Array:
             return np.tile(np.broadcast_to(values, len(arm.joints)), environments)
 
-        self.fastest = spread(core.v_max)
+        top = np.where(core.uneven == 0.0, core.v_max, np.minimum(core.v_max, arm.v_max))
+        self.fastest = spread(top * (1.0 + core.uneven)), spread(top * (1.0 - core.uneven))
         self.gain = spread(core.kp)
         self.kp = spread(np.asarray(arm.kp))
         self.tau = spread(np.asarray(arm.tau_v))
@@ -97,7 +98,7 @@ class Servo:
         assert self.before is not None
         out, alike = np.empty_like(x), bool(np.all(self.slower == 1.0))
         gain = self.gain if alike else np.ones_like(self.gain)
-        shape_commands(x, dt, self.fastest, gain, self.kp, self.before, self.low, out)
+        shape_commands(x, dt, *self.fastest, gain, self.kp, self.before, self.low, out)
         return out if alike else self._as_quick(out, dt)
 
     def _as_quick(self, x: Array, dt: float) -> Array:
@@ -144,14 +145,22 @@ class Servo:
 
 @compiled
 def shape_commands(
-    x: Array, dt: float, fastest: Array, gain: Array, kp: Array, before: Array, low: Array, out: Array
+    x: Array,
+    dt: float,
+    up: Array,
+    down: Array,
+    gain: Array,
+    kp: Array,
+    before: Array,
+    low: Array,
+    out: Array,
 ) -> None:
-    """Commands (columns,) held back to a speed, then with the bandwidth ``gain`` times ``kp`` instead of
-    ``kp``; ``before`` and ``low`` (columns,) are the memory.
+    """Commands (columns,) held back to speeds ``up`` and ``down``, then with the bandwidth ``gain``
+    times ``kp`` instead of ``kp``; ``before`` and ``low`` (columns,) are the memory.
     """
     for j in range(len(x)):
-        most = fastest[j] * dt
-        y = min(max(x[j], before[j] - most), before[j] + most) if dt > 0.0 else before[j]
+        least, most = before[j] - down[j] * dt, before[j] + up[j] * dt
+        y = min(max(x[j], least), most) if dt > 0.0 else before[j]
         if gain[j] != 1.0:
             ramp, decay = lag_step(dt, 1.0 / (kp[j] * gain[j]))
             low[j] = ramp * y + (1.0 - ramp - decay) * before[j] + decay * low[j]

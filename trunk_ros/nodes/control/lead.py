@@ -54,7 +54,7 @@ class Lead:
         none, row = np.zeros_like(gain), np.zeros((1, len(gain)))
         self._late, self._answered = 2.0 / self.pace, 0.0
         self._most = float(np.mean(self._late))
-        law = gain[None], row + tau_v, row + top_speed, row, row, row, row, row, none, row
+        law = gain[None], row + tau_v, row + top_speed, row + top_speed, row, row, row, row, row, none, row
         self._law = *law, np.zeros((3, 1, len(gain))), ahead
 
     @property
