@@ -12,7 +12,7 @@ from trunk_ros.diagnosis import Diagnosis
 from trunk_ros.diagnosis.discrepancy.banked import with_banks
 from trunk_ros.diagnosis.first_look import first_look
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
-from trunk_ros.diagnosis.prospects import HIDDEN, ONE_WAY, prospects
+from trunk_ros.diagnosis.prospects import HIDDEN, HOLDS, ONE_WAY, prospects
 from trunk_ros.diagnosis.search.fit import refit
 from trunk_ros.diagnosis.search.greedy import begun
 from trunk_ros.diagnosis.stages.wire import WireStage
@@ -61,6 +61,25 @@ def test_what_no_motion_can_show_is_said_with_the_reason() -> None:
     assert {"backlash", "wire_slip", "thermal_drift"} <= set(wires.unseen[ONE_WAY])
     assert "wire_stiffening" in wires.unseen[HIDDEN]
     assert not set(wires.effects) & {name for names in wires.unseen.values() for name in names}
+
+
+def test_one_that_rests_for_long_shows_what_creeps_and_how_loud_its_own_sensor_is() -> None:
+    """Pressure that steps and holds, by a gauge that scatters, moves a muscle by 1e-4 of its number."""
+    stamp, rng = np.arange(0.0, 60.0, 0.1), np.random.default_rng(2)
+    pressure = np.interp(stamp, [0.0, 5.0, 6.0], [0.0, 0.0, 250.0])
+    crept = 1.0 - np.exp(-np.maximum(stamp - 6.0, 0.0) / 15.0)
+    moved = 1e-4 * pressure * (1.0 + 0.3 * crept) + 1e-5 * rng.normal(size=stamp.shape)
+    series = {
+        "gearbox_states": JointSeries(
+            stamp, ("a",), (pressure + 0.1 * rng.normal(size=stamp.shape))[:, None]
+        ),
+        "joint_states": JointSeries(stamp, ("a",), moved[:, None]),
+    }
+    held = Recording("hold", 0, float(stamp[-1]), series)
+    wires = next(one for one in prospects(held, load_model("direct")) if one.stage == "wire")
+    assert "viscoelastic_creep" in wires.effects
+    assert "backlash" in wires.unseen[HOLDS]
+    assert wires.joints["a"] < 5e-5
 
 
 @cache

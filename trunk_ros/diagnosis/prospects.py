@@ -15,6 +15,8 @@ from trunk_ros.diagnosis.discrepancy.jumps import turns_of
 from trunk_ros.diagnosis.evidence.at_rest import honest
 from trunk_ros.diagnosis.first_look import first_look
 from trunk_ros.diagnosis.search.candidates import DYNAMIC, usable, what_it_has
+from trunk_ros.diagnosis.search.fit import costed
+from trunk_ros.diagnosis.search.formed import with_ratios
 from trunk_ros.diagnosis.stages.servo import ServoStage
 from trunk_ros.diagnosis.stages.wire import WireStage
 from trunk_ros.diagnosis.verdict.answer import STAGES
@@ -71,7 +73,8 @@ def _prospect(recording: Recording, model: Model, stage: str) -> Prospect:
         context = first_look(made)
     except TrunkError as error:
         return Prospect(stage, str(error))
-    noise = honest(context, context.known).noise
+    right = with_ratios(costed(context, context.known)) if stage == "wire" else context.known
+    noise = honest(context if right is context.known else context.weighed(right), right).noise
     judged = {context.joints[c]: noise[c].std for c in context.columns}
     silent = [joint for joint in context.joints if joint not in judged]
     if not judged:
