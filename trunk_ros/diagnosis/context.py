@@ -176,8 +176,8 @@ class Context:
         return Motion(wide, one_way, once, masses, bears, column in stage.resting, column in stage.holding)
 
     def timed(self, column: int) -> bool:
-        """Whether a column shows what varies with time: it rests, or goes through its loop more than once."""
-        return column not in (self.stage.one_way - self.stage.holding) | self.once
+        """Whether a column shows what varies with time: it comes back, through its loop more than once."""
+        return column not in self.stage.one_way | self.once
 
     @property
     def formed(self) -> frozenset[int]:

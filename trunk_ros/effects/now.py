@@ -138,7 +138,9 @@ class Motion:
     def untold(self) -> tuple[str, ...]:
         """Regimes of which it shows nothing."""
         if self.one_way:
-            return ("reversal",) if self.holds else UNTOLD
+            return (
+                ("reversal", "time") if self.holds else UNTOLD
+            )  # creep goes by the move, drift by nothing seen
         return ("time",) if self.once else ()
 
 

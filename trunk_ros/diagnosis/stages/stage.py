@@ -97,9 +97,9 @@ class Stage(ABC):
         self.resting = frozenset(columns) - moving
         """Columns whose input stands."""
         self.one_way = frozenset(c for c in moving if not any(comes_back(s.source[:, c]) for s in spans))
-        """Columns that go on and never come back: nothing can be told of reversals."""
+        """Columns that go on and never come back: nothing can be told of reversals or of time."""
         self.holding = frozenset(c for c in self.one_way if any(holds(s.source[:, c]) for s in spans))
-        """Those of them that rest for long on their way: of the others nothing can be told of time."""
+        """Those of them that rest for long on their way, and show what creeps."""
 
     def over(self, spans: Sequence[Span]) -> Stage:
         """The same stage and sensors over other spans of the same arm."""
