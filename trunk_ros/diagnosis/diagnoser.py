@@ -31,7 +31,7 @@ from trunk_ros.diagnosis.pace import with_its_clocks
 from trunk_ros.diagnosis.resources.aside import aside, size_of
 from trunk_ros.diagnosis.search.fit import Fit
 from trunk_ros.diagnosis.servos.described_servo import as_it_runs
-from trunk_ros.diagnosis.servos.nominal_servo import Servos, with_its_servo
+from trunk_ros.diagnosis.servos.nominal_servo import Servos, with_its_servo, with_other_numbers
 from trunk_ros.diagnosis.simulators.against import Simulator
 from trunk_ros.diagnosis.simulators.other_simulator import shifted
 from trunk_ros.diagnosis.stages.servo import ServoStage
@@ -167,10 +167,8 @@ class Diagnoser:
 
     def servo(self) -> None:
         """Setpoint to gearbox, where setpoints were recorded, by another simulator as well."""
-        other = self.against
-        if (other is not None and not other.has_servo) or not (
-            recorded := driven(self.recordings, self.model, self.joints)
-        ):
+        other, recorded = self.against, driven(self.recordings, self.model, self.joints)
+        if not recorded or (other is not None and not other.has_servo):
             return
         self.say("servo")
         before, self.model = self.model, self._with_servos(recorded)
@@ -184,6 +182,10 @@ class Diagnoser:
         with aside(self.size, self.recordings, self.wires):
             self._stage(ServoStage(spans, found, self.units, filled, identified))
             spans.clear()
+        if identified and self.servos is None:
+            self.model, said = with_other_numbers(self.model, self.effects)
+            self.effects = {n: v for n, v in self.effects.items() if n not in said}
+            self.result.findings = [f for f in self.result.findings if f.effect not in said]
 
     def found_servos(self) -> Servos:
         """Those of joints of which the model says nothing and the recordings tell."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import product
 from typing import Literal
@@ -30,6 +30,9 @@ from trunk_ros.diagnosis.servos.servo_loop import (
 )
 from trunk_ros.diagnosis.simulators.against import with_room
 from trunk_ros.diagnosis.stages.servo import ServoStage
+from trunk_ros.effect_values import Values
+from trunk_ros.effects import effect
+from trunk_ros.effects.moments import NULLS
 from trunk_ros.levels import CLEARLY, LITTLE, SEVERAL, THREEFOLD
 from trunk_ros.model import Model
 from trunk_ros.recording.recording import Recording
@@ -133,6 +136,22 @@ def _identified(
         numbers[:, joint], cost = _like_others(loop, numbers[:, joint], others, cost)
         squares += cost * loop.context.noise[loop.column].std ** 2 / loop.context.count(loop.column)
     return _with(model, numbers), float(np.sqrt(squares)), {joint: loop for loop, joint, _ in found}
+
+
+def with_other_numbers(model: Model, effects: Mapping[str, Values]) -> tuple[Model, set[str]]:
+    """The model whose servos were found in a recording with those of their numbers that ``effects`` of it
+    say to be others, and which effects say no more than that: what else acts on a servo was not known yet
+    when it was found.
+    """
+    said = {
+        name
+        for name, values in effects.items()
+        if effect(name).changes in SERVO_OF_EACH and NULLS.keys().isdisjoint(values)
+    }
+    other = replace(model, effects={name: effects[name] for name in said})
+    return _with(
+        model, np.array([np.broadcast_to(other.number(n), len(model.arm.joints)) for n in SERVO_OF_EACH])
+    ), said
 
 
 def _like_others(loop: Loop, own: Array, others: list[Array], cost: float) -> tuple[Array, float]:
