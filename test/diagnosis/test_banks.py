@@ -147,6 +147,7 @@ def test_what_settles_is_shown_by_places_that_are_passed_again() -> None:
     assert passes_again(np.cos(4.0 * np.pi * time))
     assert not passes_again(np.cos(2.6 * np.pi * time))
     assert not passes_again(time)
+    assert not passes_again(np.zeros(100))
     ends = ((0.0, 0.5), (0.5, 0.5), (0.5, 1.0), (1.0, 0.5), (0.5, 0.5), (0.5, 0.0))
     once = np.concatenate([np.linspace(first, last, 500) for first, last in ends])
     assert not passes_again(once + 1e-4 * RNG.normal(size=len(once)))

@@ -134,7 +134,8 @@ def turned(position: Array) -> np.ndarray:
     least = MOVED * float(np.ptp(position))
     away = np.abs(position - position[0])
     back = np.maximum.accumulate(away) - away > least
-    return np.asarray(np.maximum.accumulate(back | (_seen(position) >= NEARLY * np.ptp(position))))
+    seen = _seen(position)
+    return np.asarray(np.maximum.accumulate(back | ((seen > 0.0) & (seen >= NEARLY * seen[-1]))))
 
 
 def _seen(position: Array) -> Array:
