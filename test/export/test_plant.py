@@ -102,6 +102,32 @@ def test_servos_of_any_numbers_go_as_simulate_has_them(servo: dict[str, Any]) ->
     assert np.abs(off[20:]).max() < 1e-3
 
 
+@pytest.mark.parametrize(
+    ("told", "effects"),
+    [
+        ({}, {"velocity_saturation": {"v_max": 0.5}}),
+        ({}, {"velocity_saturation": {"v_max": 3.0}}),
+        ({}, {"uneven_speed": {"excess": np.full(5, 0.2)}}),
+        ({}, {"velocity_saturation": {"v_max": 2.0}, "uneven_speed": {"excess": np.full(5, -0.2)}}),
+        ({}, {"velocity_loop": {"relative": 1.0}, "servo_bandwidth": {"relative": -0.2}}),
+        ({"delay": 0.02}, {"servo_delay": {"delay": -0.01}}),
+    ],
+    ids=["slower", "faster", "uneven", "uneven and faster", "other loops", "less late"],
+)
+def test_servos_at_their_top_speed_go_as_simulate_has_them(
+    told: dict[str, Any], effects: dict[str, Any]
+) -> None:
+    model = Model(replace(ARM, **told), effects)
+    stands = STAMP < 1.0
+    asked = np.where(stands, 0.0, np.where(np.floor(STAMP / 0.7) % 2 == 0.0, 0.6, -0.6))
+    asked = np.tile(asked[:, None], (1, 5))
+    phi = Chain(model, "servo").run(asked, STAMP)[0]
+    plant = model.plant()
+    plant.reset()
+    shown = np.array([plant.step(row, 1.0 / RATE) for row in asked])
+    np.testing.assert_allclose(shown[:-1], Chain(model, "wire").run(phi, STAMP)[0][1:], atol=1e-9)
+
+
 @pytest.mark.parametrize("step", [1e-3, 0.0])
 def test_loops_that_run_faster_are_as_simulate_has_them(step: float) -> None:
     model = Model(replace(ARM, step=step))

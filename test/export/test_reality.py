@@ -139,6 +139,36 @@ def test_servo_effects_come_before_the_simulators_own_loop() -> None:
     assert np.abs(own - wanted)[40:].max() < 0.05 * np.abs(nominal - wanted).max()
 
 
+def test_a_servo_that_is_faster_one_way_is_asked_as_fast_as_it_goes_each_way() -> None:
+    """By the top speed that was found, where one was."""
+    arm = load_model("trunk").arm
+    uneven = {"uneven_speed": {"excess": np.full(5, 0.2)}}
+    asked = np.where(np.floor(STAMP / 2.0) % 2.0 == 0.0, 1.0, -1.0)[:200, None] * np.ones(5)
+    asked[0] = 0.0
+    for found, top in ({}, arm.v_max), ({"velocity_saturation": {"v_max": 3.0}}, 3.0):
+        model = Model(arm, uneven | found)
+        back = np.array(_sent(model, Model(arm), np.concatenate([asked, -asked])))
+        speed = np.diff(back, axis=0) * RATE
+        assert speed.max() == pytest.approx(1.2 * top)
+        assert speed.min() == pytest.approx(-0.8 * top)
+
+
+def test_a_simulator_that_is_later_than_the_arm_is_said_to_be_and_one_that_is_not_gets_the_rest() -> None:
+    arm = load_model("trunk").arm
+    told = replace(arm, delay=0.02)
+    less = Model(told, {"servo_delay": {"delay": -0.015}})
+    lacking = missing(less)
+    assert "servo_delay" not in lacking.model.effects
+    np.testing.assert_allclose(lacking.model.arm.delay, 0.005)
+    for late in Model(told), Model(arm, {"servo_delay": {"delay": 0.02}}):
+        lacking = missing(less, late)
+        np.testing.assert_allclose(lacking.model.arm.delay, 0.0, atol=1e-12)
+        assert [remark for remark in lacking.remarks if "0.015 s" in remark]
+    lacking = missing(less, Model(replace(arm, delay=0.002)))
+    np.testing.assert_allclose(lacking.model.arm.delay, 0.003)
+    assert not lacking.remarks
+
+
 def _sent(model: Model, simulation: Model, commands: Array) -> list[Array]:
     layer = RealityLayer(model, simulation=simulation)
     return [layer.step(command, command * model.arm.ratio, 1 / RATE)[0] for command in commands]

@@ -53,10 +53,18 @@ def missing(model: AnyModel, simulation: ArmModel | None = None) -> Missing[AnyM
             if added:
                 effects[name] = added
     for name in theirs.effects:
-        if name not in model.effects and name not in (*PLAY, "ratio_error"):
+        if name not in model.effects and name not in (*PLAY, "ratio_error", "servo_delay"):
             remarks.append(EXCESS.format(name, "the arm has none"))
     servo = replace(theirs, arm=model.arm)
     there = replace(theirs.arm, delay=0.0, feedforward=0.0) if simulation is None else theirs.arm
+    late = np.asarray(model.number("delay") - replace(theirs, arm=there).number("delay"))
+    if np.any(late < -1e-9):
+        remarks.append(EXCESS.format("servo_delay", listed(joints, -np.minimum(late, 0.0), "s")))
+    found = np.asarray(effects.get("servo_delay", {}).get("delay", 0.0))
+    beside = late - found
+    if np.any(np.minimum(beside, found) < -1e-9):  # no simulator is early by itself
+        effects.pop("servo_delay", None)
+        beside = late
     arm = replace(
         model.arm,
         ratio=ratio_of(theirs),
@@ -64,7 +72,7 @@ def missing(model: AnyModel, simulation: ArmModel | None = None) -> Missing[AnyM
         wire=None,
         kp=servo.number("kp"),
         tau_v=servo.number("tau_v"),
-        delay=np.maximum(model.arm.delay - there.delay, 0.0),
+        delay=np.maximum(beside, 0.0),
         feedforward=np.maximum(model.arm.feedforward - there.feedforward, 0.0),
     )
     return Missing(replace(model, arm=arm, effects=effects), tuple(remarks))

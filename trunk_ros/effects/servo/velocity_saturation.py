@@ -68,6 +68,6 @@ class VelocitySaturation(Effect):
         )
 
 
-def _instead(v_max: Any, other: Array) -> Array:
-    """``other`` where there is one."""
-    return np.where(other < UNLIMITED, other, v_max)
+def _instead(v_max: Any, other: Array) -> Any:
+    """``other`` where there is one; a number where both are."""
+    return np.where(other < UNLIMITED, other, v_max)[()]

@@ -2,18 +2,22 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 from numpy.typing import ArrayLike
 
-from trunk_ros.arm.arm import STEP
-from trunk_ros.arm_model import ArmModel
+from trunk_ros.arm.arm import SERVO_OF_EACH, STEP
+from trunk_ros.arm_model import AnyModel, ArmModel
 from trunk_ros.compiled import Array, compiled
+from trunk_ros.effects import effect
 from trunk_ros.effects.servo.loop import CLOSE, rise
 from trunk_ros.errors import ModelError
 from trunk_ros.export.missing import missing
 from trunk_ros.export.reality.scene import Scene
 from trunk_ros.export.reality.servo import Servo
 from trunk_ros.export.reality.wire import Wire
+from trunk_ros.transmission import tops_of
 
 
 class Plant:
@@ -41,7 +45,10 @@ class Plant:
             raise ModelError("wire.coupling: a plant of motors that move several joints is not there yet")
         if environments < 1:
             raise ModelError(f"{environments} environments: give 1 or more")
-        self.model, self.joints = missing(model).model, model.arm.joints
+        own = with_its_loops(model)
+        self._tops = tops_of(own)
+        beside = {name: values for name, values in own.effects.items() if name != "uneven_speed"}
+        self.model, self.joints = missing(replace(own, effects=beside)).model, model.arm.joints
         self._shape = environments, len(self.joints)
         self.reset()
 
@@ -71,7 +78,7 @@ class Plant:
         environments = self._shape[0]
         self._servo, self._wire = Servo(self.model, environments), Wire(self.model, environments)
         self._arm, self._time = self.model.loaded_arm(), 0.0
-        self._loop = [np.full(self._shape[1], n) for n in (self._arm.kp, self._arm.tau_v, self._arm.v_max)]
+        self._loop = [np.full(self._shape[1], n) for n in (self._arm.kp, self._arm.tau_v, *self._tops)]
         self._gearbox, self._velocity, self._theta = (np.zeros(self._shape) for _ in range(3))
         self._anew = np.zeros(environments, bool)
 
@@ -87,8 +94,8 @@ class Plant:
         wanted = self._servo.step(asked, here, self._time, anew)
         gearbox, velocity = before.copy(), self._velocity.copy()
         arm = self._arm
-        kp, tau_v, v_max = self._loop
-        follow(wanted, dt, kp, tau_v, v_max, arm.ahead, gearbox, velocity)
+        kp, tau_v, up, down = self._loop
+        follow(wanted, dt, kp, tau_v, up, down, arm.ahead, gearbox, velocity)
         self._time += dt
         theta = self._theta + (gearbox - before) * arm.ratio
         now = Scene(arm, self.model.duration, dt, gearbox, theta, velocity * arm.ratio)
@@ -106,19 +113,30 @@ class Plant:
         return np.ascontiguousarray(array.reshape(self._shape))
 
 
+def with_its_loops(model: AnyModel) -> AnyModel:
+    """The model as it was at the end, its servos' numbers those that were found: no command that is shaped
+    beforehand has a loop at its top speed go as one with other numbers.
+    """
+    model = model.at_end()
+    numbers = {name: model.number(name) for name in SERVO_OF_EACH}
+    others = {n: v for n, v in model.effects.items() if effect(n).changes not in SERVO_OF_EACH}
+    return replace(model, arm=replace(model.arm, **numbers), effects=others)
+
+
 @compiled
 def follow(
     setpoints: Array,
     dt: float,
     kp: Array,
     tau_v: Array,
-    v_max: Array,
+    up: Array,
+    down: Array,
     ahead: float,
     gearbox: Array,
     velocity: Array,
 ) -> None:
     """Move motor-side angles and velocities (environments, joints) by ``dt`` s under setpoints, in place, by
-    the nominal servo, ``ahead`` as in ``servo_loop``.
+    servos with these numbers (joints,), ``up`` and ``down`` being top speeds, ``ahead`` as in ``servo_loop``.
     """
     for j in range(setpoints.shape[1]):
         steps = max(int(np.ceil(dt / min(STEP, CLOSE / kp[j]) - 1e-9)), 1)
@@ -128,6 +146,6 @@ def follow(
             for _ in range(steps):
                 before = velocity[e, j]
                 error = setpoints[e, j] - (gearbox[e, j] + ahead * h * before)
-                wanted = min(max(kp[j] * error, -v_max[j]), v_max[j])
+                wanted = min(max(kp[j] * error, -down[j]), up[j])
                 velocity[e, j] += smooth * (wanted - before)
                 gearbox[e, j] += h * (velocity[e, j] + ahead * (before - velocity[e, j]))

@@ -35,7 +35,8 @@ class Servo:
         def spread(values: Array) -> Array:
             return np.tile(np.broadcast_to(values, len(arm.joints)), environments)
 
-        top = np.where(core.uneven == 0.0, core.v_max, np.minimum(core.v_max, arm.v_max))
+        nominal = np.where(core.uneven == 0.0, np.inf, arm.v_max)  # what is even is the simulator's matter
+        top = np.where(np.isfinite(core.v_max), core.v_max, nominal)
         self.fastest = spread(top * (1.0 + core.uneven)), spread(top * (1.0 - core.uneven))
         self.gain = spread(core.kp)
         self.kp = spread(np.asarray(arm.kp))
