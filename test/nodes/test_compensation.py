@@ -109,6 +109,15 @@ def test_a_slower_servo_that_was_found_is_respected():
     )
 
 
+def test_a_servo_that_is_faster_one_way_is_sent_each_way_as_fast_as_it_goes():
+    found = {"velocity_saturation": {"v_max": 2.0}, "uneven_speed": {"excess": np.full(5, 0.2)}}
+    uneven = replace(NOMINAL, effects=found)
+    references = np.vstack([np.zeros((5, 5)), np.full((60, 5), 0.3), np.full((60, 5), -0.3)])
+    speed = np.diff(drive(Compensation(uneven, REVERSAL), references), axis=0) / STEP
+    assert speed.max() == pytest.approx(2.4)
+    assert speed.min() == pytest.approx(-1.6)
+
+
 def test_a_servo_that_hardly_moves_does_not_hold_the_others_back():
     tops = np.array([0.01, 1.5, 1.5, 1.5, 1.5])
     own = replace(NOMINAL, arm=replace(NOMINAL.arm, v_max=tops))
@@ -123,7 +132,7 @@ def test_a_servo_that_was_slow_for_a_while_is_not_slow_any_more():
         "servo_bandwidth": {"relative": -0.5, "until": 10.0},
     }
     now = Compensation(replace(NOMINAL, effects=was, duration=20.0), REVERSAL)
-    np.testing.assert_array_equal(now.top_speed, np.full(5, NOMINAL.arm.v_max))
+    np.testing.assert_array_equal(now.tops, np.full((2, 5), NOMINAL.arm.v_max))
     np.testing.assert_array_equal(now.gain, np.full(5, NOMINAL.arm.kp))
 
 

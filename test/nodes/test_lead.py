@@ -10,7 +10,8 @@ from trunk_ros.model import load_model
 from trunk_ros.nodes.control.lead import Lead
 
 NOMINAL = load_model("trunk")
-SERVO = np.full(5, NOMINAL.arm.kp), NOMINAL.arm.tau_v, NOMINAL.arm.v_max
+TOPS = np.full(5, NOMINAL.arm.v_max), np.full(5, NOMINAL.arm.v_max)
+SERVO = np.full(5, NOMINAL.arm.kp), NOMINAL.arm.tau_v, TOPS
 STEP = 0.01
 AT = np.arange(0, 3, STEP)
 

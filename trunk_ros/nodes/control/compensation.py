@@ -11,6 +11,7 @@ from trunk_ros.model import Model
 from trunk_ros.nodes.bus import between, gearbox_limits, within
 from trunk_ros.nodes.control.lead import Lead
 from trunk_ros.trajectory import Array
+from trunk_ros.transmission import tops_of
 
 NUDGE = 1e-4  # rad, tells a new model in which direction a joint came
 FADE = 0.3  # s in which a difference at the start or at a change of model fades out
@@ -39,18 +40,18 @@ class Compensation:
         """The motors stand ``at`` (joints,) rad."""
         self._aim = self.out = at
         arm = self.model.arm
-        self._lead = Lead(at, self.gain, self.tau_v, self.top_speed, arm.feedforward, arm.ahead)
+        self._lead = Lead(at, self.gain, self.tau_v, self.tops, arm.feedforward, arm.ahead)
         return self._lead
 
     def _use(self, model: Model) -> None:
         self.model = model
         self.chain = Chain(model, "wire", hold_time=True)
         self.lower, self.upper = gearbox_limits(model.arm)
-        self.top_speed, self.gain = top_speed(model), position_gain(model)
+        self.tops, self.gain = tops_of(model.at_end()), position_gain(model)
         self.tau_v = model.at_end().number("tau_v")
         if self._lead is not None:
             arm = model.arm
-            self._lead.use(self.gain, self.tau_v, self.top_speed, arm.feedforward, arm.ahead)
+            self._lead.use(self.gain, self.tau_v, self.tops, arm.feedforward, arm.ahead)
         self._state: State | None = None
         self._fade = np.zeros(len(model.arm.joints))
 
@@ -108,8 +109,8 @@ class Compensation:
 
     def _towards(self, target: Array, last: Array, dt: float) -> Array:
         """The next of ``last`` (joints,) rad: no faster than its servo, and within the limits."""
-        reach = self.top_speed * dt
-        there = last + between(between(target, self.lower, self.upper) - last, -reach, reach)
+        up, down = self.tops
+        there = last + between(between(target, self.lower, self.upper) - last, -down * dt, up * dt)
         return within(there, self.model.arm)
 
     def ideal(self, reference: Array, dt: float) -> Array:
@@ -137,8 +138,3 @@ class Compensation:
 def position_gain(model: Model) -> Array:
     """Gain of the position loop [1/s] per joint, with what was found."""
     return np.asarray(model.at_end().number("kp") * np.ones(len(model.arm.joints)))
-
-
-def top_speed(model: Model) -> Array:
-    """(joints,) rad/s at the shaft: top speed of each servo, as nominal or as found, whichever is less."""
-    return np.asarray(model.at_end().number("v_max") * np.ones(len(model.arm.joints)))

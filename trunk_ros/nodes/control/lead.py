@@ -27,7 +27,7 @@ class Lead:
         at: Array,
         gain: Array,
         tau_v: float | Array,
-        top_speed: Array,
+        tops: tuple[Array, Array],
         fed: float | Array = 0.0,
         ahead: float = 0.0,
     ):
@@ -36,25 +36,27 @@ class Lead:
         self._slope = np.zeros_like(at)
         self._servo = fresh(at, self._slope)
         self._period, self._periods, self._seen = 0.0, 0, 0.0
-        self.use(gain, tau_v, top_speed, fed, ahead)
+        self.use(gain, tau_v, tops, fed, ahead)
 
     def use(
         self,
         gain: Array,
         tau_v: float | Array,
-        top_speed: Array,
+        tops: tuple[Array, Array],
         fed: float | Array = 0.0,
         ahead: float = 0.0,
     ) -> None:
-        """``gain`` (joints,) 1/s of the position loop, ``tau_v`` s, ``top_speed`` (joints,) rad/s, the share
-        of the setpoints' speed that the loop is ``fed``, and how fast it runs, ``ahead`` as in `servo_loop`.
+        """``gain`` (joints,) 1/s of the position loop, ``tau_v`` s, the ``tops`` (joints,) rad/s upwards and
+        downwards, the share of the setpoints' speed that the loop is ``fed``, and how fast it runs, ``ahead``
+        as in `servo_loop`.
         """
         self._early = np.asarray(fed / gain)  # s of the setpoints' motion that it sees beforehand
         self.pace = QUICKER * np.sqrt(gain / tau_v)
         none, row = np.zeros_like(gain), np.zeros((1, len(gain)))
         self._late, self._answered = 2.0 / self.pace, 0.0
         self._most = float(np.mean(self._late))
-        law = gain[None], row + tau_v, row + top_speed, row + top_speed, row, row, row, row, row, none, row
+        up, down = tops
+        law = gain[None], row + tau_v, row + up, row + down, row, row, row, row, row, none, row
         self._law = *law, np.zeros((3, 1, len(gain))), ahead
 
     @property
