@@ -29,6 +29,14 @@ def test_a_top_speed_that_is_reached_and_one_that_is_not_are_no_guess() -> None:
     assert not too_slow(recorded(nominal=SHORT), STATED)
 
 
+def test_one_that_is_faster_one_way_is_no_guess_either() -> None:
+    effects = {"velocity_saturation": {"v_max": 0.3}, "uneven_speed": {"excess": np.full(3, 0.5)}}
+    uneven = replace(STATED, effects=effects)
+    run = recorded(effects, nominal=STATED)
+    assert too_slow(run, replace(uneven, effects={"velocity_saturation": {"v_max": 0.3}}))
+    assert not too_slow(run, uneven)
+
+
 def test_of_a_model_without_a_servo_it_is_not_said() -> None:
     model = replace(SLOW, arm=replace(SLOW.arm, servo_stated=False))
     assert not too_slow(recorded(nominal=SHORT), model)

@@ -40,6 +40,14 @@ def test_urdf_says_limits_lengths_tilt_and_reductions(tmp_path: Path) -> None:
     assert "<!-- trunk_ros: hard_stop at 1 rad: limit -->" in sheet.text
 
 
+def test_top_speeds_of_two_ways_stay_together_in_the_layer(tmp_path: Path) -> None:
+    (tmp_path / "arm.urdf").write_text(URDF)
+    effects = {"velocity_saturation": {"v_max": 1.2}, "uneven_speed": {"excess": pair(0.2, 0.0)}}
+    sheet = export(model_of(effects), "urdf", tmp_path / "arm.urdf")
+    assert set(sheet.layer.effects) == set(effects)
+    assert not sheet.lines
+
+
 def test_sdf_says_play_and_lag_beside_a_position_controller(tmp_path: Path) -> None:
     effects = {
         **STOP,

@@ -66,8 +66,8 @@ class JointWriter(Writer):
         return self.each(values, key, write)
 
     def velocity_saturation(self, values: Values) -> Values:
-        """The joint's top speed."""
-        if not set(self.joints) <= set(self.found):
+        """The joint's top speed; of one that is faster one way both are the layer's, as limits are even."""
+        if "uneven_speed" in self.model.effects or not set(self.joints) <= set(self.found):
             return values
 
         def write(joint: str, fastest: float) -> bool:
