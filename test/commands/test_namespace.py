@@ -8,7 +8,10 @@ import pytest
 
 from test.recording.bags import START_NS, Message, joint_state, write_bag
 from trunk_ros.__main__ import main
+from trunk_ros.errors import ForeignError
+from trunk_ros.recording.namespace import choose
 from trunk_ros.recording.read import read_recording
+from trunk_ros.recording.topics import JOINT_STATE
 
 JOINTS = [f"joint_{number}" for number in range(1, 6)]
 SECONDS = 6.0
@@ -50,6 +53,23 @@ def test_one_of_two_arms_is_asked_for_and_taken(
     assert "no topic of an arm" in capsys.readouterr().err
     if command[0] != "diagnose":  # which takes long
         assert main([*words, "--namespace", "/right"]) == 0
+
+
+def test_topics_of_another_name_are_looked_for_in_the_namespace_alone() -> None:
+    both = {
+        "/left/trunk/reference": JOINT_STATE,
+        "/left/motor": JOINT_STATE,
+        "/right/trunk/reference": JOINT_STATE,
+    }
+    with pytest.raises(ForeignError, match="gives the mapping"):
+        choose("bag", both, "left")
+    assert choose("bag", both, "right") == ({"reference": "/right/trunk/reference"}, [])
+
+
+def test_setpoints_are_taken_beside_a_gripper() -> None:
+    chosen, (said,) = choose("bag", {"/trunk/setpoints": JOINT_STATE, "/gripper": JOINT_STATE})
+    assert chosen == {"setpoints": "/trunk/setpoints"}
+    assert "but /gripper" in said
 
 
 def test_what_is_simulated_is_that_arm(bag: Path, tmp_path: Path) -> None:

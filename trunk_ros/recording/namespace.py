@@ -1,7 +1,7 @@
 """Which topics of a recording are those of the arm, where names carry a namespace, or of several arms."""
 
 from trunk_ros.errors import ForeignError, RecordingError
-from trunk_ros.recording.topics import JOINT_STATE, OURS, SHOWN, TOPICS, expected_type, split_topic
+from trunk_ros.recording.topics import JOINT_STATE, OURS, SHOWN, SOURCES, TOPICS, expected_type, split_topic
 
 
 def choose(
@@ -10,19 +10,22 @@ def choose(
     """(topic by key, remarks) for the topics {name: type} of the recording `name`.
 
     Where several topics fit one key, the namespace decides that alone has topics below `trunk/`.
-    RecordingError if that leaves a choice, if no topic fits, or if one that fits is of another type.
+    RecordingError if that leaves a choice, if no topic fits, or if one that fits is of another type;
+    ForeignError if none says where the arm was or was to go, and others of joints may.
     """
     found: dict[str, dict[str, str]] = {}
     for topic in topics:
         if split := split_topic(topic):
             found.setdefault(split[1], {})[split[0]] = topic
+    renamed = foreign_states(topics)
     if namespace is not None:
         wanted = "/" + namespace.strip("/") if namespace.strip("/") else ""
         found = {key: {wanted: there[wanted]} for key, there in found.items() if wanted in there}
-    if not found or (not found.keys() & set(SHOWN) and foreign_states(topics)):
+        renamed = [topic for topic in renamed if topic.startswith(wanted + "/")]
+    if not found or (renamed and not found.keys() & {*SHOWN, *SOURCES}):
         there = ", ".join(sorted(topics)[:12]) or "none"
-        wanted = ", ".join(TOPICS.values())
-        if namespace is not None:
+        if namespace is not None and not renamed:
+            wanted = ", ".join(TOPICS.values())
             raise RecordingError(
                 f"{name}: no topic of an arm in {namespace} ({wanted}); topics there: {there}"
             )
@@ -35,7 +38,7 @@ def choose(
         )
     chosen, remarks = _decide(name, found)
     absent = [TOPICS[key] for key in ("gearbox_states", "joint_states") if key not in found]
-    if absent and (renamed := foreign_states(topics)):
+    if absent and renamed:
         remarks.append(
             f"no {' and no '.join(absent)}, but {', '.join(renamed)}: `trunk_ros import` takes topics of "
             "other names in by a mapping"
