@@ -14,6 +14,7 @@ from trunk_ros.compiled import Array
 from trunk_ros.errors import TrunkError
 from trunk_ros.export.run import export
 from trunk_ros.export.sheet import Sheet
+from trunk_ros.model import load_model, save_model
 
 mujoco = pytest.importorskip("mujoco")
 
@@ -78,6 +79,15 @@ def test_a_servo_delay_is_the_actuators_own(tmp_path: Path) -> None:
     assert not sheet.layer.effects
     late, prompt = moved(model), moved(mujoco.MjModel.from_xml_path(str(tmp_path / "arm.xml")))
     assert np.abs(late[5:] - prompt[:-5])[300:].max() < 0.03 * np.abs(late - prompt).max()
+
+
+def test_the_layer_knows_of_a_gain_that_the_file_has(tmp_path: Path) -> None:
+    slow = {"velocity_loop": {"relative": 1.0}, "servo_bandwidth": {"relative": -0.2}}
+    sheet, _ = written(slow, tmp_path)
+    assert set(sheet.layer.effects) == {"velocity_loop"}
+    save_model(sheet.layer, tmp_path / "arm.reality.yaml")
+    layer = load_model(tmp_path / "arm.reality.yaml")
+    np.testing.assert_allclose(layer.arm.kp, 0.8 * model_of({}).arm.kp)
 
 
 def test_a_spring_in_series_is_less_stiffness_at_the_same_speed(tmp_path: Path) -> None:

@@ -87,7 +87,10 @@ class Writer(ABC):
                 left[name] = rest
         if bodies is not None:
             self._terms(bodies)
-        return Sheet(self.text(), self.lines, replace(self.model, effects=left), self.remarks)
+        layer = replace(self.model, effects=left)
+        told = self.model.number("kp") / layer.number("kp")  # what the file has of it now, as a factor
+        arm = replace(layer.arm, kp=layer.arm.kp * told)
+        return Sheet(self.text(), self.lines, replace(layer, arm=arm), self.remarks)
 
     def _terms(self, bodies: Bodies) -> None:
         """What was fitted of each joint, where no effect has its place."""

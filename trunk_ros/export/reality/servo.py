@@ -16,7 +16,7 @@ from trunk_ros.sine import sines
 
 
 class Servo:
-    """Delay, top speed, another bandwidth, droop, cogging and dead zone, on commands (environments, joints).
+    """Delay, top speeds, another loop, droop, cogging and dead zone, on commands (environments, joints).
 
     The simulator's own position loop stays in its place: only what it lacks is put before it.
     """
