@@ -109,13 +109,21 @@ def test_a_slower_servo_that_was_found_is_respected():
     )
 
 
-def test_a_servo_that_is_faster_one_way_is_sent_each_way_as_fast_as_it_goes():
-    found = {"velocity_saturation": {"v_max": 2.0}, "uneven_speed": {"excess": np.full(5, 0.2)}}
-    uneven = replace(NOMINAL, effects=found)
+@pytest.mark.parametrize(
+    ("found", "up", "down"),
+    [
+        ({"uneven_speed": {"excess": np.full(5, 0.2)}}, 1.5, 1.2),
+        ({"uneven_speed": {"excess": np.full(5, 0.2)}, "velocity_saturation": {"v_max": 1.0}}, 1.2, 0.8),
+        ({"velocity_saturation": {"v_max": 3.0}}, 1.5, 1.5),
+    ],
+    ids=["uneven", "uneven and slower", "faster"],
+)
+def test_setpoints_go_each_way_as_fast_as_the_servo_and_never_faster_than_the_models_v_max(found, up, down):
     references = np.vstack([np.zeros((5, 5)), np.full((60, 5), 0.3), np.full((60, 5), -0.3)])
-    speed = np.diff(drive(Compensation(uneven, REVERSAL), references), axis=0) / STEP
-    assert speed.max() == pytest.approx(2.4)
-    assert speed.min() == pytest.approx(-1.6)
+    compensation = Compensation(replace(NOMINAL, effects=found), REVERSAL)
+    speed = np.diff(drive(compensation, references), axis=0) / STEP
+    assert speed.max() == pytest.approx(up)
+    assert speed.min() == pytest.approx(-down)
 
 
 def test_a_servo_that_hardly_moves_does_not_hold_the_others_back():

@@ -137,11 +137,9 @@ class Motion:
     @property
     def untold(self) -> tuple[str, ...]:
         """Regimes of which it shows nothing."""
-        if self.one_way:
-            return (
-                ("reversal", "time") if self.holds else UNTOLD
-            )  # creep goes by the move, drift by nothing seen
-        return ("time",) if self.once else ()
+        if self.one_way and self.holds:
+            return ("reversal", "time")  # creep goes by the move, drift by nothing seen
+        return UNTOLD if self.one_way else ("time",) if self.once else ()
 
 
 @dataclass(frozen=True)

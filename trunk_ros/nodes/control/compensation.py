@@ -48,6 +48,7 @@ class Compensation:
         self.chain = Chain(model, "wire", hold_time=True)
         self.lower, self.upper = gearbox_limits(model.arm)
         self.tops, self.gain = tops_of(model.at_end()), position_gain(model)
+        self._asked = np.minimum(self.tops, model.arm.v_max)  # what it is told to stay below
         self.tau_v = model.at_end().number("tau_v")
         if self._lead is not None:
             arm = model.arm
@@ -109,7 +110,7 @@ class Compensation:
 
     def _towards(self, target: Array, last: Array, dt: float) -> Array:
         """The next of ``last`` (joints,) rad: no faster than its servo, and within the limits."""
-        up, down = self.tops
+        up, down = self._asked
         there = last + between(between(target, self.lower, self.upper) - last, -down * dt, up * dt)
         return within(there, self.model.arm)
 

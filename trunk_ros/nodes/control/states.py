@@ -12,9 +12,7 @@ from trunk_ros.nodes.graph.health import OK
 from trunk_ros.nodes.graph.joints import JointMatcher, MessageError, StrangersError
 from trunk_ros.nodes.graph.messages import state_of
 
-APART = (
-    0.02  # rad to and fro between three messages, which no arm does twice in a second: two say where it is
-)
+APART = 0.02  # rad to and fro in three messages: an arm does not do so twice in a second, two nodes do
 
 
 class HeardStates:

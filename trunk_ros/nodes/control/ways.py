@@ -11,9 +11,7 @@ from trunk_ros.trajectory import Array
 
 WAY = 0.1  # rad: backlash, sag and drift are a small part of it
 MISSED = 0.25  # of a way: more than effects of a wire do; a wrong ratio, sign or sensor does more
-REST = (
-    0.5  # s for which the reference stands before joints are looked at; a servo of kp 5 1/s is there to 8 %
-)
+REST = 0.5  # s that the reference stands before joints are looked at: a servo of kp 5 1/s is there to 8 %
 
 
 class Ways:
