@@ -21,8 +21,9 @@ MOVED = 0.15  # of the range: the way after which a joint has turned, and how it
 
 def is_wide(position: Array, residual: Array, shown: Array) -> bool:
     """Whether the residual (n,) of a joint on its way up and on its way down differs by much of the motion;
-    of what the joint has ``shown`` (n,) of it, where nobody knew its ratio. What is in proportion to the
-    motion is no loop, and a motor that trembles where it rests goes neither way, whatever creeps there.
+    of what the joint has ``shown`` (n,) of it, where nobody knew its ratio. In the mean over time: one that
+    mostly rests shows more than a loop, which may be of lag. What is in proportion to the motion is no loop,
+    and a motor that trembles where it rests goes neither way, whatever creeps there.
     """
     if not len(position) or np.ptp(position) == 0.0:
         return False
@@ -35,7 +36,7 @@ def is_wide(position: Array, residual: Array, shown: Array) -> bool:
     both = (up - down)[np.isfinite(up - down)]
     went, foretold = float(np.std(shown)), float(np.std(shown - residual))
     moved = float(np.std(position)) * (went / foretold if went < foretold else 1.0)
-    return bool(both.size and np.sqrt(np.mean(both**2)) > PART * moved)
+    return bool(both.size and np.sqrt(np.mean(both**2) * np.mean(goes)) > PART * moved)
 
 
 def speed_tells(positions: Sequence[Array], speeds: Sequence[Array]) -> bool:
