@@ -58,6 +58,23 @@ def test_topics_without_a_publisher_are_said_once(domain, peer):
     assert len(lines) <= 2  # before the publisher was met
 
 
+def test_stamps_that_jump_back_are_said_with_their_topic():
+    from trunk_ros.nodes.watch import Watch
+
+    said, anew = [], []
+    node = SimpleNamespace(
+        origin=-1,
+        newest=-1,
+        looked=-1,
+        health=SimpleNamespace(note=said.append),
+        monitor=SimpleNamespace(restart=lambda: anew.append(1)),
+    )
+    for seconds in (100.0, 100.5, 99.8, 101.0, 50.0, 50.1):  # a late message is no jump
+        Watch.seconds(node, "joint_states", round(seconds * 1e9))
+    assert said == ["joint_states: the stamps jumped back"]
+    assert len(anew) == 1
+
+
 def test_findings_are_logged_in_one_line():
     from trunk_ros.nodes.watch import Watch
 

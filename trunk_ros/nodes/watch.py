@@ -115,17 +115,17 @@ class Watch(TrunkNode):
             if matcher.unknown or matcher.missing:
                 for oddity in matcher.oddities():
                     self.health.note(oddity)
-            getattr(self.monitor, name)(self.seconds(stamp), values)
+            getattr(self.monitor, name)(self.seconds(topic, stamp), values)
             self.look(stamp)
 
         return taken
 
-    def seconds(self, stamp: int) -> float:
-        """A stamp [ns] as the monitor counts [s]; where time jumps back it begins anew."""
+    def seconds(self, topic: str, stamp: int) -> float:
+        """A topic's stamp [ns] as the monitor counts [s]; where time jumps back it begins anew."""
         if self.origin < 0:
             self.origin = stamp
         if self.newest >= 0 and self.newest - stamp > JUMP:
-            self.health.note("the stamps jumped back")
+            self.health.note(f"{topic}: the stamps jumped back")
             self.monitor.restart()
             self.newest = self.looked = -1
         self.newest = max(self.newest, stamp)
