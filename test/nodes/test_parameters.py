@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 import yaml
 
-from test.nodes.graph import JOINTS, environment, needs_ros, running
+from test.nodes.graph import JOINTS, PATIENCE, environment, needs_ros, running
 from trunk_ros.model import Model, declared_parameters, load_model, save_model
 from trunk_ros.nodes.parameters import COMMON, PARAMETERS
 
@@ -260,7 +260,11 @@ def test_the_page_sets_a_parameter_without_ros2(domain, peer, tmp_path):
     service = peer.node.create_client(GetParameters, "wire_elasticity/get_parameters")
     with running("wire_elasticity", domain=domain):
         done = subprocess.run(
-            [sys.executable, str(script)], env=environment(domain), capture_output=True, text=True
+            [sys.executable, str(script)],
+            env=environment(domain),
+            capture_output=True,
+            text=True,
+            timeout=PATIENCE,
         )
         assert "successful=True" in done.stdout, done.stderr
         asked = GetParameters.Request(names=["effects.backlash.half_width"])
