@@ -19,6 +19,7 @@ from test.nodes.graph import (
 from trunk_ros.model import load_model, save_model
 
 pytestmark = needs_ros
+UNSEEN = ("--ros-args", "-p", "open_loop:=true")  # nobody plays the motors
 
 
 @pytest.fixture
@@ -47,7 +48,7 @@ def graph(peer):
 
 
 def test_a_foreign_reference_comes_out_as_the_model_run_backward(domain, peer, graph):
-    with running("compensator", domain=domain):
+    with running("compensator", *UNSEEN, domain=domain):
         graph.meet()
         graph.ask([0.0] * 5)
         peer.until(lambda: graph.setpoints)
@@ -98,12 +99,12 @@ def test_trajectories_are_followed_stopped_and_refused_as_joint_trajectory_contr
     assert (way <= 1.5 * np.diff(at) + 1e-6).all()
 
 
-def test_a_trajectory_begins_at_0_where_after_patience_nobody_says_where_the_arm_stands(domain, peer, graph):
+def test_in_open_loop_a_trajectory_begins_at_0_where_after_patience_nobody_is(domain, peer, graph):
     from trunk_ros.nodes.graph.messages import trajectory_message
     from trunk_ros.trajectory import Trajectory
 
     path = Trajectory(tuple(JOINTS), np.array([0.5]), np.full((1, 5), 0.1))
-    with running("compensator", "--ros-args", "-p", "patience:=1.0", domain=domain):
+    with running("compensator", *UNSEEN, "-p", "patience:=1.0", domain=domain):
         graph.meet()
         sent = peer.now()
         graph.trajectory.publish(trajectory_message(path))
@@ -132,7 +133,7 @@ def test_a_model_is_swapped_without_a_jump_and_another_arms_is_refused(domain, p
         return graph.setpoints and np.allclose(graph.setpoints[-1].position, wanted, rtol=0, atol=off)
 
     arm = model.arm
-    with running("compensator", domain=domain):
+    with running("compensator", *UNSEEN, domain=domain):
         graph.meet()
         graph.ask([0.0] * 5)
         peer.until(lambda: graph.setpoints)
@@ -163,7 +164,7 @@ def test_a_state_stamped_by_another_clock_counts_from_its_arrival(domain, peer, 
     else:
         whole = []
     joints = peer.publisher(JointState, "joint_states")
-    with running("compensator", domain=domain):
+    with running("compensator", *UNSEEN, domain=domain):
         graph.meet()
         peer.meets(joints, node="compensator")
         graph.ask([0.0] * 5)

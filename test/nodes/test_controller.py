@@ -2,6 +2,7 @@
 
 import subprocess
 import sys
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -10,16 +11,17 @@ from test.nodes.graph import JOINTS, ROOT
 from trunk_ros.model import load_model
 from trunk_ros.nodes.control import slow_feedback
 from trunk_ros.nodes.control.begin import Graph
-from trunk_ros.nodes.control.controller import Controller, Settings
+from trunk_ros.nodes.control.controller import Controller
 from trunk_ros.nodes.control.goal import State
+from trunk_ros.nodes.control.parameters import Settings
 from trunk_ros.nodes.graph.elapsed import SECOND
 from trunk_ros.nodes.graph.joints import MessageError
 from trunk_ros.trajectory import Trajectory, TrajectoryError
 
 MODEL = load_model("trunk")
 STEP = SECOND // 100
-HEARD, NOBODY = Graph(), Graph(said=False)
-SETTINGS = Settings(5e-5, 100.0, 2.0, True, slow_feedback.Settings(0.0, 0.005, 0.05, 5e-4))
+HEARD, NOBODY, LOST = Graph(), Graph(said=False), Graph(lost=True)
+SETTINGS = Settings(5e-5, 100.0, 2.0, False, True, slow_feedback.Settings(0.0, 0.005, 0.05, 5e-4))
 
 
 class Bench:
@@ -101,7 +103,8 @@ def test_while_others_move_the_arm_it_keeps_still_and_begins_where_they_leave_it
     assert (bench.steps(1)[0].setpoint == 0.4).all()
 
 
-def test_a_trajectory_waits_for_the_arm_and_begins_at_0_where_nobody_is(bench):
+def test_in_open_loop_a_trajectory_waits_for_the_arm_and_begins_at_0_where_nobody_is(bench):
+    bench.controller.adjust(replace(SETTINGS, open_loop=True))
     assert bench.go(0.1) is None
     assert bench.steps(150, NOBODY) == [None] * 150
     first = next(command for command in bench.steps(100, NOBODY) if command is not None)
@@ -110,6 +113,18 @@ def test_a_trajectory_waits_for_the_arm_and_begins_at_0_where_nobody_is(bench):
     bench.stands(-0.5)  # somebody shows up after all
     assert bench.steps(1, HEARD) != [None]
     assert bench.said == ["the arm stands elsewhere than was thought: starting anew from there"]
+
+
+def test_where_nobody_says_where_the_arm_stands_what_came_is_given_up(bench):
+    nobody = Graph(said=False, lacking="nobody publishes /trunk/gearbox_states")
+    for command in (lambda: bench.go(0.1), lambda: bench.controller.refer(np.full(5, 0.1))):
+        command()
+        assert bench.steps(250, nobody) == [None] * 250
+        bench.stands(0.3)  # too late: it was refused
+        assert (bench.steps(1)[0].setpoint == 0.3).all()
+        bench.controller.stop()
+    told = f"refused: trunk/gearbox_states do not say where all joints stand: {nobody.lacking}"
+    assert bench.said == [told] * 2
 
 
 def test_a_command_is_given_up_where_nobody_says_all_joints(bench):
@@ -123,12 +138,98 @@ def test_when_the_arm_is_lost_it_holds_and_refuses_others(bench):
     bench.steps(5)
     bench.go(0.3, 10.0)
     bench.steps(100)
-    lost = Graph(lost=True)
-    held = {tuple(command.reference[0]) for command in bench.steps(50, lost)[1:]}
+    held = {tuple(command.reference[0]) for command in bench.steps(50, LOST)[1:]}
     assert len(held) == 1
     assert set(bench.over) == {"no trunk/gearbox_states"}
     with pytest.raises(MessageError, match="no trunk/gearbox_states"):
-        bench.go(0.0, 1.0, lost)
+        bench.go(0.0, 1.0, LOST)
+
+
+def test_while_the_arm_is_lost_setpoints_end_once_the_output_rests(bench):
+    bench.stands(0.0)
+    bench.steps(5)
+    bench.go(0.3, 2.0)
+    bench.steps(100)
+    held = bench.steps(100, LOST)
+    silent = [command.silent for command in held]
+    assert not silent[0]
+    assert silent == sorted(silent)
+    assert silent[30:] == [True] * 70
+    assert len({tuple(command.setpoint) for command in held[30:]}) == 1
+
+
+def test_an_arm_that_was_only_unheard_is_held_where_it_was_sent_and_goes_on(bench):
+    bench.stands(0.0)
+    bench.steps(5)
+    bench.go(0.3, 2.0)
+    bench.steps(100)
+    sent = bench.steps(100, LOST)[-1].setpoint
+    bench.stands(sent[0])
+    back = bench.steps(20)
+    assert not any(command.silent for command in back)
+    np.testing.assert_allclose(back[-1].setpoint, sent, atol=1e-4)
+    assert bench.said == []
+    bench.go(0.0)
+    np.testing.assert_allclose(bench.steps(200)[-1].reference[0], 0.0, atol=1e-12)
+
+
+@pytest.mark.parametrize("foreign", [False, True])
+def test_an_arm_that_comes_back_elsewhere_is_not_sent_to_where_it_was(bench, foreign):
+    bench.stands(0.0)
+    bench.steps(5)
+    if foreign:
+        bench.controller.refer(np.full(5, 0.3))
+    else:
+        bench.go(0.3)
+    assert bench.steps(200)[-1].setpoint[0] > 0.4
+    bench.steps(100, LOST)
+    bench.stands(-0.6)
+    back = bench.steps(100)
+    sent = [command.setpoint for command in back if not command.silent]
+    assert len(sent) > 50
+    assert (np.array(sent) == -0.6).all()
+    assert bench.said == ["the arm is back, and stands elsewhere than it was sent: starting anew from there"]
+    bench.go(0.0)
+    path = np.array([-0.6, *(command.setpoint[0] for command in bench.steps(200))])
+    assert np.abs(np.diff(path)).max() <= MODEL.arm.v_max * 0.01 + 1e-9
+
+
+def test_an_arm_that_is_back_and_moves_is_waited_for(bench):
+    bench.stands(0.0)
+    bench.steps(5)
+    bench.go(0.3)
+    bench.steps(200)
+    bench.steps(100, LOST)
+    for tick in range(100):
+        bench.stands(-0.6 + 0.005 * tick)
+        assert bench.steps(1)[0].silent
+    with pytest.raises(MessageError, match="it has to rest before"):
+        bench.go(0.0)
+    assert not bench.steps(40)[-1].silent
+
+
+def test_states_that_were_late_in_mid_motion_are_no_arm_elsewhere(bench):
+    bench.stands(0.0)
+    bench.steps(5)
+    bench.go(0.3, 1.0)
+    bench.steps(50)
+    sent = bench.steps(1, LOST)[0].setpoint[0]
+    for lag in 0.075 * np.exp(-20 * 0.01 * np.arange(30)):  # as a servo catches up
+        bench.stands(sent - lag)
+        bench.steps(1)
+    assert bench.said == []
+    assert not bench.steps(1)[0].silent
+
+
+def test_after_a_loss_where_the_arm_stood_before_is_not_where_it_stands(bench):
+    bench.stands(0.2)
+    bench.steps(5)
+    bench.steps(5, Graph(others=True))
+    bench.steps(5, LOST)
+    bench.go(0.1)
+    assert bench.steps(150, LOST) == [None] * 150
+    bench.stands(-0.4)
+    np.testing.assert_allclose(bench.steps(1)[0].setpoint, -0.4, atol=MODEL.arm.v_max * 0.01)
 
 
 def test_a_refused_trajectory_changes_nothing(bench):

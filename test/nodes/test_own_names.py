@@ -70,13 +70,19 @@ def test_while_another_node_sends_renamed_setpoints_the_compensator_is_silent_an
         )
 
 
-def test_an_arm_that_nobody_reads_is_said_to_move_unseen(domain, peer, arm):
-    with running("compensator", domain=domain):  # it was to be renamed
+@pytest.mark.parametrize("unseen", [False, True])
+def test_an_arm_that_nobody_reads_is_not_moved_but_in_open_loop(domain, peer, arm, unseen):
+    names = ["--ros-args", "-r", NAMES[0], "-p", f"open_loop:={str(unseen).lower()}"]  # one was forgotten
+    told = ("do not say where all joints stand: ", "")[unseen] + "nobody publishes /trunk/gearbox_states"
+    with running("compensator", *names, "-p", "patience:=0.5", domain=domain):
         peer.meets(arm.reference, node="compensator")
         peer.answered(
             lambda: arm.reference.publish(state([0.1] * 5)),
-            lambda: "nobody publishes /trunk/gearbox_states" in words(arm.said, "compensator"),
+            lambda: told in words(arm.said, "compensator"),
         )
+        if unseen:
+            peer.until(lambda: arm.setpoints)
+    assert bool(arm.setpoints) is unseen
 
 
 def test_messages_without_an_angle_are_not_heard_and_the_topic_is_named(domain, peer, arm):

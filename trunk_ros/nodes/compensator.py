@@ -114,7 +114,11 @@ class Compensator(TrunkNode):
         if self.controller.settled:
             return Graph(True, lost, fresh)
         said, others = self.publishers("trunk/gearbox_states") > 0, self.publishers("trunk/setpoints") > 1
-        return Graph(said, lost, fresh, others, self.motors.matcher.lacking())
+        lacking = self.motors.matcher.lacking() if said else self._nobody()
+        return Graph(said, lost, fresh, others, lacking)
+
+    def _nobody(self) -> str:
+        return f"nobody publishes {self.resolve_topic_name('trunk/gearbox_states')}"
 
     # Out
 
@@ -128,7 +132,10 @@ class Compensator(TrunkNode):
         if command.reference is not None:
             self.foreign_reference.sent(now, command.reference[0])
             self.publish_reference(now, *command.reference)
-        self.publish_setpoints(now, command.setpoint)
+        if command.silent:
+            self.ways = Ways(self.model.arm.joints)  # who knows how it will go on from here
+        else:
+            self.publish_setpoints(now, command.setpoint)
         if self.controller.limited:
             self.health.note(f"held back at a limit: {self.controller.limited}", level=OK)
         busy = self.action is not None and self.action.busy
@@ -137,7 +144,7 @@ class Compensator(TrunkNode):
         stamp, wanted, actual = self.controller.compared(now, graph.fresh)
         self.shown.tick(stamp, wanted, actual, command.setpoint)
         reference = self.controller.reference
-        if graph.fresh and reference is not None and not self.controller.limited:
+        if graph.fresh and reference is not None and not (command.silent or self.controller.limited):
             self.ways.see(now, reference, actual.position)
         if self.action is not None:
             self.action.tick(now, wanted, actual)
@@ -150,8 +157,7 @@ class Compensator(TrunkNode):
         if self.controller is None or not self.controller.moves:
             return
         if self.controller.begin.blind:
-            topic = self.resolve_topic_name("trunk/gearbox_states")
-            self.health.note(f"nobody publishes {topic}: the arm moves unseen, as if it had stood at 0")
+            self.health.note(f"{self._nobody()}: the arm moves unseen, as if it had stood at 0")
         self._say_who_else_may_move_it()
 
     def _say_who_else_may_move_it(self) -> None:

@@ -28,7 +28,10 @@ STREAMS = (
         2.0,
         "s",
         (0.0, 60.0),
-        "wait for gearbox_states before a trajectory is refused, or begins at 0 where nobody publishes them",
+        "wait for gearbox_states before what came is refused, or a trajectory begins in open loop",
+    ),
+    Declaration(
+        "open_loop", False, "", None, "where nobody publishes gearbox_states, move the arm unseen, from 0"
     ),
     Declaration("state_rate", 50.0, "Hz", (0.1, 2000.0), "rate of controller_state at most"),
 )

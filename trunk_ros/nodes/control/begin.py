@@ -15,8 +15,8 @@ ELSEWHERE = 0.02  # rad at the gearbox between where an arm was sent unseen and 
 @dataclass(frozen=True)
 class Graph:
     """What a node knows of its topics: ``said``: somebody publishes gearbox_states; ``lost``: they dried up;
-    ``fresh``: joint_states come; ``others``: somebody else publishes setpoints; ``lacking``: in words, the
-    joints that gearbox_states leave out.
+    ``fresh``: joint_states come; ``others``: somebody else publishes setpoints; ``lacking``: in words, what
+    is missing of gearbox_states.
     """
 
     said: bool = True
@@ -29,7 +29,7 @@ class Graph:
 class Begin:
     """A command that waits (``waiting``: a trajectory and when it begins [s]), and since when [ns].
 
-    ``blind``: it was begun unseen, the arm taken to stand at 0.
+    ``blind``: it was begun in open loop, the arm taken to stand at 0.
     """
 
     def __init__(self) -> None:
@@ -37,12 +37,14 @@ class Begin:
         self.blind = False
         self._since: int | None = None
 
-    def due(self, now: int, known: bool, said: bool, patience: float) -> bool:
-        """Whether a command may begin: who says where the arm stands may not have been found yet."""
+    def due(self, now: int, known: bool, blindly: bool, patience: float) -> bool:
+        """Whether a command may begin. ``blindly``: also unseen, once who says where the arm stands has had
+        the time to be found.
+        """
         self._since = now if self._since is None else self._since
         if known:
             return True
-        return not said and not (self.waiting is not None and self._patient(now, patience))
+        return blindly and not (self.waiting is not None and self._patient(now, patience))
 
     def over(self, now: int, patience: float) -> bool:
         """Whether the command has waited too long; it is given up then."""
@@ -56,9 +58,10 @@ class Begin:
         waiting, self.waiting, self._since, self.blind = self.waiting, None, None, blind
         return waiting
 
-    def elsewhere(self, stands: Array, asked: Array | None) -> bool:
-        """Whether an arm shows to stand elsewhere (joints,) than it was sent to."""
-        return asked is None or bool(np.abs(stands - asked).max() > ELSEWHERE)
-
     def _patient(self, now: int, patience: float) -> bool:
         return self._since is not None and now - self._since < patience * SECOND
+
+
+def elsewhere(stands: Array, sent: Array | None) -> bool:
+    """Whether an arm shows to stand elsewhere (joints,) than it was sent to."""
+    return sent is None or bool(np.abs(stands - sent).max() > ELSEWHERE)

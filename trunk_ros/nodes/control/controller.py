@@ -14,12 +14,13 @@ import numpy as np
 
 from trunk_ros.errors import TrunkError
 from trunk_ros.model import Model
-from trunk_ros.nodes.control import slow_feedback
-from trunk_ros.nodes.control.begin import Begin, Graph
+from trunk_ros.nodes.control.begin import Begin, Graph, elsewhere
 from trunk_ros.nodes.control.compensation import Compensation
 from trunk_ros.nodes.control.follower import Follower, limits_of
 from trunk_ros.nodes.control.goal import State
 from trunk_ros.nodes.control.observation import Observation
+from trunk_ros.nodes.control.parameters import Settings
+from trunk_ros.nodes.control.unseen import Unseen
 from trunk_ros.nodes.graph.elapsed import SECOND
 from trunk_ros.nodes.graph.joints import MessageError
 from trunk_ros.trajectory import Array, Trajectory
@@ -27,22 +28,15 @@ from trunk_ros.trajectory import Array, Trajectory
 LONGEST_STEP = 0.1  # s that the output may move on after a pause
 
 
-@dataclass(frozen=True)
-class Settings:
-    """How to control: see the node's parameters. rad, rad/s^2, s."""
-
-    reversal: float
-    max_acceleration: float
-    patience: float
-    lead: bool
-    feedback: slow_feedback.Settings
-
-
 class Command(NamedTuple):
-    """What goes out: the setpoint at the gearbox, and the reference with its speed where it is our own."""
+    """What goes out: the setpoint at the gearbox, and the reference with its speed where it is our own.
+
+    ``silent``: the setpoint is held, and not sent anew.
+    """
 
     setpoint: Array
     reference: tuple[Array, Array] | None
+    silent: bool = False
 
 
 @dataclass
@@ -81,7 +75,7 @@ class Controller:
         self.observation = Observation(self.model, self.strict)
         self.running: Running | None = None
         self.foreign: Array | None = None
-        self.begin = Begin()
+        self.begin, self.unseen = Begin(), Unseen()
         self.time: int | None = None
         self.limited = ""
 
@@ -97,6 +91,8 @@ class Controller:
             return None
         if graph.lost:
             raise MessageError("no trunk/gearbox_states")
+        if not self.unseen.over:
+            raise MessageError("the arm is not where it was sent: it has to rest before")
         end = self.running.follower.follow(trajectory, now / SECOND, begin)
         self.foreign, self.running.idle = None, False
         return end
@@ -177,27 +173,31 @@ class Controller:
 
     def update(self, now: int, graph: Graph) -> Command | None:
         """One step; None while nothing may go out."""
+        if graph.lost:
+            self.observation.lose_sight()
         if self.running is None and not self._begin_when_known(now, graph):
             return None
         if self.begin.blind and not self._seen(now, graph):
             return None
+        lost = self._lost(now, graph)
         assert self.running is not None
         if self.running.idle and graph.others:
             self.running = None  # somebody else moves the arm, who may leave it anywhere
             return None
         period = 0.0 if self.time is None else min(max((now - self.time) / SECOND, 0.0), LONGEST_STEP)
         self.time = now
-        return self._step(self.running, now, period, graph)
+        return self._step(self.running, now, period, lost, graph.fresh)
 
-    def _step(self, running: Running, now: int, period: float, graph: Graph) -> Command:
-        reference, velocity = self._sample(running.follower, now, graph.lost)
+    def _step(self, running: Running, now: int, period: float, lost: bool, fresh: bool) -> Command:
+        reference, velocity = self._sample(running.follower, now, lost)
         self.observation.remember(now, reference, velocity)
         own = None if self.foreign is not None else (reference, velocity)
         compensation = running.compensation
-        if running.idle and compensation.out is not None:
-            return Command(compensation.out, own)
+        if (running.idle or self.unseen.silent) and compensation.out is not None:
+            self.limited = ""
+            return Command(compensation.out, own, self.unseen.silent)
         settings, limited = self.settings.feedback, compensation.limited
-        trim = self.observation.correction(now, graph.fresh, settings, reference, limited, period)
+        trim = self.observation.correction(now, fresh, settings, reference, limited, period)
         if self.settings.lead and self.foreign is None:
             ahead, *known = running.follower.state(now / SECOND + compensation.sight)
             out = compensation.step(ahead + trim, period, *known)
@@ -226,13 +226,41 @@ class Controller:
         if not wanted:
             if not known or graph.lost or graph.others:
                 return False
-        elif not self.begin.due(now, known, graph.said, self.settings.patience):
+        elif not self.begin.due(now, known, self._blindly(graph), self.settings.patience):
             if self.begin.over(now, self.settings.patience):
+                self.foreign = None
                 why = f": {graph.lacking}" if graph.lacking else ""
                 self.refused(f"refused: trunk/gearbox_states do not say where all joints stand{why}")
             return False
         self._begin(now, graph)
         return True
+
+    def _blindly(self, graph: Graph) -> bool:
+        return self.settings.open_loop and not graph.said
+
+    def _lost(self, now: int, graph: Graph) -> bool:
+        """Whether it is not known where the arm stands. Where it rests elsewhere than it was sent when it is
+        back, its driver is a new one, or others moved it: all starts anew from there.
+        """
+        if graph.lost:
+            self.unseen.lost(now)
+        if self.unseen.over:
+            return False
+        stands = self.observation.stands(now)
+        if stands is None or not self.unseen.rests(now, stands, self._out):
+            self.unseen.goes_on(now)
+            return True
+        if not elsewhere(stands, self._out):
+            self.unseen = Unseen()
+            return False
+        self.note("the arm is back, and stands elsewhere than it was sent: starting anew from there")
+        self.foreign = None  # what was asked before may be far from here
+        self._begin(now)
+        return False
+
+    @property
+    def _out(self) -> Array | None:
+        return None if self.running is None else self.running.compensation.out
 
     def _seen(self, now: int, graph: Graph) -> bool:
         """Whether an arm that was taken to stand at 0 may be moved: nobody is there to say where it stands,
@@ -240,9 +268,9 @@ class Controller:
         """
         stands = self.observation.stands(now)
         if stands is None:
-            return not graph.said
-        out, self.begin.blind = self.running.compensation.out if self.running else None, False
-        if self.begin.elsewhere(stands, out):
+            return self._blindly(graph)
+        self.begin.blind = False
+        if elsewhere(stands, self._out):
             self.note("the arm stands elsewhere than was thought: starting anew from there")
             self._begin(now, graph)
         return True
@@ -251,6 +279,7 @@ class Controller:
         """Start from where the arm stands, at 0 where that is not known."""
         known = self.observation.stands(now)
         self.time, waiting = None, self.begin.begun(known is None)
+        self.unseen = Unseen()
         arm = self.model.arm
         stands = arm.asked(arm.rest) if known is None else known
         compensation = Compensation(self.model, self.settings.reversal, stands)

@@ -31,6 +31,10 @@ class Newest:
             self._samples.clear()
         self._samples.append((stamp, sample))
 
+    def clear(self) -> None:
+        """Forget all samples."""
+        self._samples.clear()
+
     def at(self, now: int) -> tuple[int, State] | None:
         """The sample to use in the step at ``now`` ns."""
         for stamp, sample in reversed(self._samples):

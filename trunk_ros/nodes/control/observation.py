@@ -37,6 +37,10 @@ class Observation:
         """Note what is wanted (joints,) rad, rad/s."""
         self.past.add(now / SECOND, np.array([reference, velocity]))
 
+    def lose_sight(self) -> None:
+        """The motors fell silent: what they said before is not where the arm stands by then."""
+        self.measured.gearbox.clear()
+
     def stands(self, now: int) -> Array | None:
         """Gearbox angle (joints,) rad, None while that of any joint is not known."""
         gearbox = self.measured.gearbox.at(now)
