@@ -103,20 +103,22 @@ def test_while_others_move_the_arm_it_keeps_still_and_begins_where_they_leave_it
     assert (bench.steps(1)[0].setpoint == 0.4).all()
 
 
-def test_in_open_loop_a_trajectory_waits_for_the_arm_and_begins_at_0_where_nobody_is(bench):
-    bench.controller.adjust(replace(SETTINGS, open_loop=True))
+@pytest.mark.parametrize("strange", [False, True])
+def test_unseen_a_trajectory_waits_for_the_arm_and_begins_at_0_where_nobody_is(bench, strange):
+    nobody = replace(NOBODY, strange=strange)
+    bench.controller.adjust(replace(SETTINGS, open_loop=strange))
     assert bench.go(0.1) is None
-    assert bench.steps(150, NOBODY) == [None] * 150
-    first = next(command for command in bench.steps(100, NOBODY) if command is not None)
+    assert bench.steps(150, nobody) == [None] * 150
+    first = next(command for command in bench.steps(100, nobody) if command is not None)
     np.testing.assert_allclose(first.setpoint, 0.0, atol=MODEL.arm.v_max * 0.01)
-    bench.steps(300, NOBODY)
+    bench.steps(300, nobody)
     bench.stands(-0.5)  # somebody shows up after all
     assert bench.steps(1, HEARD) != [None]
     assert bench.said == ["the arm stands elsewhere than was thought: starting anew from there"]
 
 
-def test_where_nobody_says_where_the_arm_stands_what_came_is_given_up(bench):
-    nobody = Graph(said=False, lacking="nobody publishes /trunk/gearbox_states")
+def test_where_states_come_under_another_name_what_came_is_given_up(bench):
+    nobody = Graph(said=False, strange=True, lacking="nobody publishes /trunk/gearbox_states")
     for command in (lambda: bench.go(0.1), lambda: bench.controller.refer(np.full(5, 0.1))):
         command()
         assert bench.steps(250, nobody) == [None] * 250

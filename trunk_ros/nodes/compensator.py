@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 from trunk_ros.errors import ModelError, TrunkError
@@ -22,6 +23,7 @@ from trunk_ros.nodes.graph.process import run_node
 from trunk_ros.nodes.graph.ros import FollowJointTrajectory, JointState, JointTrajectory, String
 from trunk_ros.nodes.graph.trajectory_reader import read_order
 from trunk_ros.nodes.parameters import PARAMETERS
+from trunk_ros.recording.topics import JOINT_STATE
 
 OTHERS = "others on trunk/setpoints"
 """The value under which it names nodes that may send setpoints while it moves the arm."""
@@ -114,11 +116,15 @@ class Compensator(TrunkNode):
         if self.controller.settled:
             return Graph(True, lost, fresh)
         said, others = self.publishers("trunk/gearbox_states") > 0, self.publishers("trunk/setpoints") > 1
-        lacking = self.motors.matcher.lacking() if said else self._nobody()
-        return Graph(said, lost, fresh, others, lacking)
+        strangers = [] if said else self.strangers(JOINT_STATE)
+        lacking = self.motors.matcher.lacking() if said else self._nobody(strangers)
+        return Graph(said, lost, fresh, others, bool(strangers), lacking)
 
-    def _nobody(self) -> str:
-        return f"nobody publishes {self.resolve_topic_name('trunk/gearbox_states')}"
+    def _nobody(self, strangers: Sequence[str] = ()) -> str:
+        nobody = f"nobody publishes {self.resolve_topic_name('trunk/gearbox_states')}"
+        if not strangers:
+            return nobody
+        return f"{nobody}; {', '.join(strangers)} may be it: remap it, or set open_loop"
 
     # Out
 

@@ -31,7 +31,11 @@ STREAMS = (
         "wait for gearbox_states before what came is refused, or a trajectory begins in open loop",
     ),
     Declaration(
-        "open_loop", False, "", None, "where nobody publishes gearbox_states, move the arm unseen, from 0"
+        "open_loop",
+        False,
+        "",
+        None,
+        "move the arm unseen, from 0, though joint states come under other names than gearbox_states",
     ),
     Declaration("state_rate", 50.0, "Hz", (0.1, 2000.0), "rate of controller_state at most"),
 )

@@ -15,7 +15,8 @@ ELSEWHERE = 0.02  # rad at the gearbox between where an arm was sent unseen and 
 @dataclass(frozen=True)
 class Graph:
     """What a node knows of its topics: ``said``: somebody publishes gearbox_states; ``lost``: they dried up;
-    ``fresh``: joint_states come; ``others``: somebody else publishes setpoints; ``lacking``: in words, what
+    ``fresh``: joint_states come; ``others``: somebody else publishes setpoints; ``strange``:
+    somebody publishes states of joints on a topic that is none of ours; ``lacking``: in words, what
     is missing of gearbox_states.
     """
 
@@ -23,6 +24,7 @@ class Graph:
     lost: bool = False
     fresh: bool = False
     others: bool = False
+    strange: bool = False
     lacking: str = ""
 
 

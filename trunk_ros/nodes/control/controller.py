@@ -236,7 +236,8 @@ class Controller:
         return True
 
     def _blindly(self, graph: Graph) -> bool:
-        return self.settings.open_loop and not graph.said
+        """Whether it may be taken to stand at 0: motors that tell nothing, and none under another name."""
+        return not graph.said and (self.settings.open_loop or not graph.strange)
 
     def _lost(self, now: int, graph: Graph) -> bool:
         """Whether it is not known where the arm stands. Where it rests elsewhere than it was sent when it is

@@ -16,6 +16,7 @@ from trunk_ros.nodes.graph.ros import INFO, WARNING
 from trunk_ros.nodes.graph.streams import Streams
 from trunk_ros.nodes.parameters import COMMON, MODEL
 from trunk_ros.parameter import Declaration
+from trunk_ros.recording.topics import TOPICS
 
 
 class TrunkNode(ManagedNode):
@@ -99,6 +100,12 @@ class TrunkNode(ManagedNode):
         as it stands.
         """
         return int(self.count_publishers(self.resolve_topic_name(topic)))
+
+    def strangers(self, kind: str) -> list[str]:
+        """Topics of that kind which others publish, and which are none of ours."""
+        ours = {self.resolve_topic_name(topic) for topic in TOPICS.values()}
+        there = [name for name, kinds in self.get_topic_names_and_types() if kind in kinds]
+        return [name for name in sorted(there) if name not in ours and self.count_publishers(name)]
 
     def every(self, seconds: float, function: Callable[[], Any]) -> None:
         """Call a function by the wall's clock, until the streams are closed."""
