@@ -55,6 +55,19 @@ def test_smaller_arrays_are_kept_for_the_next_ones() -> None:
     assert returned < 0.1
 
 
+@pytest.mark.skipif(sys.platform != "linux", reason="what Linux does")
+def test_what_libraries_were_linked_with_goes_back_and_they_still_work() -> None:
+    loaded, left, same = printed(
+        "import scipy.signal; from trunk_ros.heap import give_back\n"
+        "from trunk_ros.compiled import copied; a, b = np.arange(3.0), np.zeros(3); copied(a, b)\n"
+        "give_back(); loaded = resident(); give_back(libraries=True); left = resident()\n"
+        "c = np.zeros(3); copied(a, c); d = scipy.signal.butter(2, 0.1, output='sos')\n"
+        "print(loaded / 2**20, left / 2**20, int((a == b).all() and (a == c).all() and np.isfinite(d).all()))"
+    )
+    assert left < loaded - 40.0
+    assert same
+
+
 def test_weight_by_pieces_is_that_of_each_posture() -> None:
     arm = load_model("trunk").arm
     angles = motion(stamps((TOGETHER + 3) / 100.0, 100.0))

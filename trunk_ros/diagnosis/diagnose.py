@@ -54,6 +54,7 @@ def diagnose(
     Raises RecordingError or ModelError in one line.
     """
     keep_what_is_freed()
+    give_back(libraries=True)
     several = [recordings] if isinstance(recordings, (Recording, str, Path)) else recordings
     read = [part for r in several for part in _read(r, from_time, until, namespace)]
     give_back()

@@ -28,7 +28,7 @@ def aside(size: int, *kept: list[Any] | dict[Any, Any]) -> Iterator[None]:
         return
     for some in kept:
         some.clear()
-    give_back()
+    give_back(libraries=True)
     with file:
         try:
             yield

@@ -52,11 +52,11 @@ def searched(context: Context, say: Callable[[str], None]) -> Searched:
     if some is context:
         state = search(context, Desk(say))
         return Searched(state, state, context.work.over)
-    give_back()
+    give_back(libraries=True)
     first = search(replace(some, work=granted()), Desk(lambda text: say(f"excerpt: {text}")))
     first.context.forget()  # nobody asks for it until rivals are fitted
     say("the whole recording")
-    give_back()
+    give_back(libraries=True)
     state = _on_the_whole(context, first.hypothesis, Desk(lambda text: _tidied(say, text)))
     noise = (
         noise_of_every(state.context.noise, some.every) if isinstance(some, Sparse) else state.context.noise
