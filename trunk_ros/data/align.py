@@ -54,7 +54,7 @@ def wire_span(recording: Recording, model: ArmModel) -> Span:
     phi, velocity = resample(between_counts(gearbox, steps), grid)
     phi = as_the_servo_went(recording, gearbox, steps, grid, phi, model)
     if len(grid) > CELLS:
-        give_back()
+        give_back(libraries=True)
     grain = np.maximum(steps, np.sqrt(12.0) * noises(gearbox))
     read = np.isfinite(measured.position[kept])
     valid = seen = read & ~in_gaps(gearbox, grid)[rows]

@@ -16,6 +16,7 @@ from trunk_ros.data.sensing.sliding import sliding, waited
 from trunk_ros.data.sensing.thinned import KIND, thinned
 from trunk_ros.heap import give_back
 from trunk_ros.levels import TURNS
+from trunk_ros.machine import CELLS
 from trunk_ros.recording.recording import JointSeries, Recording
 from trunk_ros.recording.topics import TOPICS
 
@@ -27,6 +28,7 @@ def clocks_put_right(recording: Recording, model: ArmModel) -> Recording:
     of coarse readings it is said how coarse they are, and of filtered ones those are kept that tell something
     new. Units and names of joints have to be right.
     """
+    long = any(len(series.stamp) > CELLS for series in recording.series.values())
     for look in (
         read_when,
         _not_set,
@@ -39,7 +41,7 @@ def clocks_put_right(recording: Recording, model: ArmModel) -> Recording:
         as_often_as_new,
     ):
         recording = look(recording, model)
-        give_back()
+        give_back(libraries=long)
     return recording
 
 
