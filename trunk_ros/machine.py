@@ -11,6 +11,8 @@ Key = TypeVar("Key", bound=Hashable)
 
 NUMBER = 4
 """Bytes of a number that processes hand each other."""
+FORKED = 0.06
+"""Processor time [s] that another process costs, measured: what it writes to is copied page by page."""
 PIECE = 2048
 """Rows that stay in the processor's cache."""
 CELLS = 2**17

@@ -3,11 +3,13 @@
 import os
 import signal
 import sys
+import time
 
 import pytest
 
 from test.diagnosis.arms import on, recorded
 from trunk_ros.diagnosis.diagnose import diagnose
+from trunk_ros.diagnosis.resources import cores
 from trunk_ros.diagnosis.resources.cores import each, on_cores
 from trunk_ros.diagnosis.resources.work import Work
 
@@ -42,6 +44,40 @@ def test_the_work_is_shared():
     os.close(told)
 
 
+def test_who_has_nothing_left_to_do_helps_within_the_longest_part():
+    parent, (heard, told) = os.getpid(), os.pipe()
+
+    def within(item):
+        if os.getpid() == parent:
+            os.read(heard, 1)  # until the other has taken one more
+        else:
+            os.write(told, b".")
+        return os.getpid()
+
+    def long_at_first(item):
+        if item == 1:
+            return {parent}
+        hands = cores._hands.get()
+        while not hands.take():  # the other has not ended as yet
+            time.sleep(0.01)
+        hands.give()
+        return {*each(Work(), within, range(4))}
+
+    with on_cores(2):
+        both, other = each(Work(), long_at_first, range(2))
+    assert len(both) == 2
+    assert other == {parent}
+    os.close(heard)
+    os.close(told)
+
+
+def test_parts_that_take_less_than_a_process_stay_where_they_are():
+    with on_cores(2):
+        for known in (False, True):
+            found = each(Work(), lambda _: os.getpid(), range(2))
+            assert not known or set(found) == {os.getpid()}
+
+
 def test_an_error_is_raised_as_it_would_be_on_one_core(monkeypatch):
     def fails(item):
         if item == 7:
@@ -52,9 +88,10 @@ def test_an_error_is_raised_as_it_would_be_on_one_core(monkeypatch):
     monkeypatch.setattr(os, "fork", lambda: ((number := fork()) and started.append(number)) or number)
     with on_cores(2), pytest.raises(ValueError, match="seven"):
         each(Work(), fails, range(12))
-    assert len(started) == 1
-    with pytest.raises(ChildProcessError):  # it was waited for
-        os.waitpid(started[0], os.WNOHANG)
+    assert started
+    for number in started:
+        with pytest.raises(ChildProcessError):  # it was waited for
+            os.waitpid(number, os.WNOHANG)
 
 
 def test_what_a_process_that_was_killed_did_not_answer_is_done_again():

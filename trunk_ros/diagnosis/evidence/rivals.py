@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
+from trunk_ros.diagnosis.resources.cores import each
 from trunk_ros.diagnosis.search.candidates import Candidate, extended, is_open, usable
 from trunk_ros.diagnosis.search.credible import hidden
 from trunk_ros.diagnosis.search.fit import Fit, refit, refit_column
@@ -65,17 +66,23 @@ def rivals(state: Fit, name: str, bare: Fit, looks: Looks, limit: float) -> Foun
     whole = effect(name).everywhere or len(columns) == len(context.columns)
     others = [k for k in kinds if k.everywhere and k.id not in state.hypothesis and (whole or k.id in like)]
     screen = Screen(context, bare.hypothesis, None if others else [])
-    for kind in others:
+
+    def everywhere(kind: type[Effect]) -> Found:
         found = screen.all_everywhere(kind)
         # what lasts just as long as one joint moves is a claim more
         kept = found if whole else [c for c in found if not c.lasts]
         candidate = max(kept, key=lambda c: c.gain, default=None)
-        if candidate is not None:
-            there = extended(context, bare.hypothesis, candidate)
-            if whole or screen.may_come_to(there, candidate.gain) < state.total + limit:
-                tried = [there, *_as_it_is(bare, state.hypothesis[name], kind)]
-                trial = _best_of(context, tried, state.total + far)
-                losses[kind.id] = loss(state, trial, columns), trial.hypothesis
+        if candidate is None:
+            return {}
+        there = extended(context, bare.hypothesis, candidate)
+        if not whole and screen.may_come_to(there, candidate.gain) >= state.total + limit:
+            return {}
+        tried = [there, *_as_it_is(bare, state.hypothesis[name], kind)]
+        trial = _best_of(context, tried, state.total + far)
+        return {kind.id: (loss(state, trial, columns), trial.hypothesis)}
+
+    for some in each(context.work, everywhere, others):
+        losses |= some
     return losses
 
 
@@ -120,8 +127,8 @@ def _local_rivals(
     ]
     open_ = {c: [k for k in kinds if c in new[k.id]] for c in columns}
     ranked = {c: screen.ranked(open_[c], c, REFITTED, like, looks.kept[c]) for c in columns}
-    losses: dict[str, tuple[float, Hypothesis]] = {}
-    for name in dict.fromkeys(candidate.effect for some in ranked.values() for candidate in some):
+
+    def local(name: str) -> Found:
         cost, fitted = dict(state.cost), bare.hypothesis.copy()
         for c in columns:
             found = [x for x in ranked[c] if x.effect == name]
@@ -132,8 +139,14 @@ def _local_rivals(
             best = min(fits, key=priced, default=bare)  # a form with more to it has to gain that
             cost[c] = best.cost[c]
             fitted.take(c, best.hypothesis)
-        if len(without(fitted, name, columns)) < len(new[name]):  # else the motion hides it on all of them
-            losses[name] = loss(state, Fit(fitted, cost, context), columns), fitted
+        if len(without(fitted, name, columns)) == len(new[name]):  # the motion hides it on all of them
+            return {}
+        return {name: (loss(state, Fit(fitted, cost, context), columns), fitted)}
+
+    losses: Found = {}
+    names = dict.fromkeys(candidate.effect for some in ranked.values() for candidate in some)
+    for some in each(context.work, local, [*names]):
+        losses |= some
     return losses
 
 

@@ -9,6 +9,7 @@ import numpy as np
 
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.evidence.rivals import Looks
+from trunk_ros.diagnosis.resources.cores import each
 from trunk_ros.diagnosis.search.candidates import Candidate, extended
 from trunk_ros.diagnosis.search.credible import hidden
 from trunk_ros.diagnosis.search.fit import Fit, refit_column
@@ -32,15 +33,16 @@ def pairs(
     """
     columns = state.context.judged(state.hypothesis[name])
     seen = {c: _changes(looks, c, but) for c in columns}
-    names = set.intersection(*(set(each) for each in seen.values())) if seen else set()
+    names = set.intersection(*map(set, seen.values())) if seen else set()
     goal = sum(state.cost[c] for c in columns) + limit
     promising: list[tuple[float, Pair, dict[int, Starts]]] = []
     for pair in combinations(sorted(names), 2):
-        best = {c: _best(looks, c, each, pair) for c, each in seen.items()}
+        best = {c: _best(looks, c, some, pair) for c, some in seen.items()}
         left = sum(looks.screen.left(c) - gain / PROMISED for c, (gain, _) in best.items())
         if left < goal and all(starts for _, starts in best.values()):
             promising.append((left, pair, {c: starts for c, (_, starts) in best.items() if starts}))
-    tried = [_fitted(state, bare, *one[1:]) for one in sorted(promising, key=lambda one: one[:2])[:REFITTED]]
+    best_of = sorted(promising, key=lambda one: one[:2])[:REFITTED]
+    tried = each(bare.context.work, lambda one: _fitted(state, bare, *one[1:]), best_of)
     return {pair: loss for pair, loss in tried if loss < limit}
 
 
@@ -63,8 +65,8 @@ def _best(looks: Looks, column: int, seen: Changes, pair: Pair) -> tuple[float, 
             continue
         along = np.array([a @ rest, b @ rest])
         share = np.linalg.solve(normal, along)
-        each = zip((first, second), share, np.diag(normal), strict=True)
-        starts = [scaled(effect(x.effect), x, float(k * size), float(size)) for x, k, size in each]
+        both = zip((first, second), share, np.diag(normal), strict=True)
+        starts = [scaled(effect(x.effect), x, float(k * size), float(size)) for x, k, size in both]
         if float(share @ along) > best and starts[0] and starts[1]:
             best, chosen = float(share @ along), (starts[0], starts[1])
     return best, chosen

@@ -24,12 +24,8 @@ ALL = "arm"  # owner of shared values
 FEW = 8  # lines of a list
 
 
-def cards(result: Answer) -> list[dict[str, Any]]:
-    """One dictionary per finding, for the template."""
-    return [_card(result, finding) for finding in result.findings]
-
-
-def _card(result: Answer, finding: Finding) -> dict[str, Any]:
+def card(result: Answer, finding: Finding) -> dict[str, Any]:
+    """What the template shows of a finding, beside the finding."""
     figure = figure_signature(result, finding)
     samples = samples_of(result, finding)
     gain = sum(float(g) for g in finding.evidence.get("gain", {}).values())
@@ -38,7 +34,6 @@ def _card(result: Answer, finding: Finding) -> dict[str, Any]:
         "name": spoken(finding.effect),
         "title": ("less " if is_excess(finding) else "")
         + listed([spoken(name) for name in finding.candidates], "or"),
-        "finding": finding,
         "statement": statement(finding),
         "narrow": figure is not None and len(figure.axes) == 1,
         "where": place(result, finding.stage, finding.joints) or "the arm",

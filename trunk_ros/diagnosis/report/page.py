@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
-from trunk_ros.diagnosis.report.cards import cards
+from trunk_ros.diagnosis.report.cards import card
 from trunk_ros.diagnosis.report.commands import cut, diagnose_again, motions, play, with_simulator
 from trunk_ros.diagnosis.report.data import numbers, provenance, recordings
 from trunk_ros.diagnosis.report.errors import (
@@ -26,6 +28,8 @@ from trunk_ros.diagnosis.report.style import image
 from trunk_ros.diagnosis.report.units import spoken
 from trunk_ros.diagnosis.report.verdict import gain, headline, verdict_word
 from trunk_ros.diagnosis.report.where import maps, not_compared
+from trunk_ros.diagnosis.resources.cores import each
+from trunk_ros.diagnosis.resources.work import Work
 from trunk_ros.diagnosis.verdict.answer import Answer
 from trunk_ros.words import listed
 
@@ -48,6 +52,7 @@ def render(result: Answer) -> str:
 def content(result: Answer) -> dict[str, Any]:
     """What the template fills in."""
     shown = shown_over_time(result)
+    before_after, over_time, said = drawn(result, shown)
     return {
         "headline": headline(result),
         "gain": gain(result),
@@ -68,11 +73,11 @@ def content(result: Answer) -> dict[str, Any]:
         "not_compared": not_compared(result),
         "coarse": any(r.of != "noise" for r in ratios(result)),
         "low": any(min(r.before, r.after) < LEAST for r in ratios(result)),
-        "before_after": image(figure_before_after(result)) if ratios(result) else None,
-        "over_time": image(figure_over_time(shown)) if shown else None,
+        "before_after": before_after,
+        "over_time": over_time,
         "quiet": quiet(result, shown),
         "well_above": WELL_ABOVE,
-        "cards": cards(result),
+        "cards": said,
         "events": result.events,
         "unexplained": result.unexplained,
         "unnamed": any(not f.named for f in result.findings),
@@ -87,6 +92,21 @@ def content(result: Answer) -> dict[str, Any]:
         "numbers": numbers(result),
         "provenance": provenance(result),
     }
+
+
+def drawn(result: Answer, shown: list[Signal]) -> tuple[str | None, str | None, list[dict[str, Any]]]:
+    """The figures of all signals, and what the page says of each finding with its own: most of its time."""
+
+    def errors() -> str | None:
+        return image(figure_before_after(result)) if ratios(result) else None
+
+    def over_time() -> str | None:
+        return image(figure_over_time(shown)) if shown else None
+
+    of_findings = [partial(card, result, finding) for finding in result.findings]
+    parts: list[Callable[[], Any]] = [errors, over_time, *of_findings]
+    one, other, *said = each(Work(), lambda draw: draw(), parts)
+    return one, other, [a_card | {"finding": f} for a_card, f in zip(said, result.findings, strict=True)]
 
 
 def contents(result: Answer, over_time: bool) -> list[tuple[str, str]]:
