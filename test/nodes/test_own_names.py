@@ -158,6 +158,8 @@ def test_a_joint_that_turns_the_other_way_is_an_error(domain, peer, arm):
     with running("compensator", *RENAMED, "-p", "timeout:=60.0", domain=domain):
         peer.meets(arm.motors, encoders, arm.reference, node="compensator")
         peer.answered(stand, lambda: hears(arm.said, "compensator", "joint_states"))
+        peer.until(lambda: stand() or arm.setpoints)
+        peer.more(arm.said, 3)  # its own seconds: it has rested where the way begins
 
         def sent():
             stand()
