@@ -13,7 +13,7 @@ from trunk_ros.diagnosis.evidence.evidence import evidence
 from trunk_ros.diagnosis.evidence.spreads import spreads
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
 from trunk_ros.diagnosis.search.fit import Fit, costed
-from trunk_ros.diagnosis.verdict.included import _told, all_findings, included
+from trunk_ros.diagnosis.verdict.included import _told, all_findings, included, names_said
 from trunk_ros.effects import effect, registry
 from trunk_ros.effects.wire.link_resonance import RIGID
 from trunk_ros.model import load_model
@@ -86,3 +86,26 @@ def test_effects_include_effects_that_there_are() -> None:
         assert set(kind.includes) <= set(kind.forms)
         for part in kind.includes.values():
             assert effect(part).stage == kind.stage
+
+
+def test_what_differs_only_in_all_its_values_together_is_told_by_that_which_differs_most() -> None:
+    """A payload and compliances for which each other stand: none of them alone is surely another one."""
+    state = held("heavy upstream", 0.08)
+    state.hypothesis["load_elasticity"].shared["payload"] = 0.1
+    stage = copy(state.context.stage)
+    own = {c: {"compliance": 0.075} for c in range(5)}
+    stage.known = Hypothesis({"load_elasticity": Term("load_elasticity", "weight", own=own)})
+    known = replace(state, context=replace(state.context, stage=stage))
+    wide = {("load_elasticity", "compliance", c): 0.02 for c in range(5)}
+    std = spreads(state) | wide | {("load_elasticity", "payload", None): 0.06}
+    told = {f.effect: f for f in all_findings(known, evidence(state), std)}
+    assert {j: [*v] for j, v in told["load_elasticity"].parameters.items()} == {"arm": ["payload"]}
+    stage.known = state.hypothesis.copy()
+    assert not all_findings(known, evidence(state), std)
+
+
+def test_an_effect_is_in_the_model_as_found_where_only_a_part_of_its_form_is_told() -> None:
+    state = held("heavy upstream", 0.08)
+    swing = [f for f in all_findings(state, evidence(state), spreads(state)) if f.effect == "link_resonance"]
+    assert names_said(state.hypothesis, swing) == {"link_resonance", "load_elasticity"}
+    assert names_said(state.hypothesis, []) == set()

@@ -42,7 +42,7 @@ from trunk_ros.diagnosis.tip.lasting import lasting_of
 from trunk_ros.diagnosis.verdict.answer import STAGES, Unexplained
 from trunk_ros.diagnosis.verdict.changes import MODEL, SIMULATION
 from trunk_ros.diagnosis.verdict.findings import left_over, without_a_name
-from trunk_ros.diagnosis.verdict.included import all_findings
+from trunk_ros.diagnosis.verdict.included import all_findings, names_said
 from trunk_ros.diagnosis.verdict.result import Diagnosis
 from trunk_ros.diagnosis.whole_arm import on_the_arm
 from trunk_ros.effect_values import Values, lateness
@@ -255,7 +255,7 @@ class Diagnoser:
             "search": {"joint_steps": context.work.done, "ended_early": done.early},
         }
         new = all_findings(state, found, std, MODEL if self.against is None else SIMULATION)
-        effects, said = state.hypothesis.model_effects(len(stage.joints)), {f.effect for f in new}
+        effects, said = state.hypothesis.model_effects(len(stage.joints)), names_said(state.hypothesis, new)
         had = {name: v for name, v in self.model.effects.items() if effect(name).stage == stage.name}
         self.effects |= on_the_arm(effects, had, stage.joints, self.model.arm.joints, said)
         run = honest(free_run(context, state.hypothesis), state.hypothesis)

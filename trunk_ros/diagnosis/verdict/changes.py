@@ -47,6 +47,11 @@ class Value:
         return unchanged({"value": self.seen, "std": self.std}, self.theirs)
 
     @property
+    def apart(self) -> float:
+        """How far the two are from each other, in standard deviations; 0 where these are not known."""
+        return abs(self.seen - self.theirs) / self.std if self.std else 0.0
+
+    @property
     def none(self) -> bool:
         """Whether nothing is seen of it, beside what the model has."""
         null = self.parameter.null
@@ -118,10 +123,14 @@ def _changed(
         known, now = _joint_by_joint(known), _joint_by_joint(now)
     parameters: dict[str, dict[str, dict[str, Any]]] = {}
     said, gone = [], True
-    for owner, column in [(ARM, None), *((context.joints[c], c) for c in context.columns)]:
-        values = list(_values(context, known, now, column, std))
+    owners = [(ARM, None), *((context.joints[c], c) for c in context.columns)]
+    every = {owner: list(_values(context, known, now, column, std)) for owner, column in owners}
+    each = {owner: _differing(values) for owner, values in every.items()}
+    if found is not None and not any(each.values()):
+        each = _farthest(every)
+    for owner, values in every.items():
         none = all(v.none for v in values if v.size) and any(v.size for v in values)
-        differ = [v for v in values if not v.same and (v.size or not none) and not v.nothing]
+        differ = each[owner]
         if not differ:
             continue
         told = {} if none or found is None else dict(found.parameters.get(owner, {}))
@@ -137,6 +146,21 @@ def _changed(
     statement = f"{what[0].lower()}{what[1:]}: {'; '.join(said)}."
     base = _gone(known) if found is None or gone else found
     return replace(base, joints=joints, parameters=parameters, statement=statement)
+
+
+def _differing(values: Sequence[Value]) -> list[Value]:
+    """Those of a joint that are surely not the model's."""
+    none = all(v.none for v in values if v.size) and any(v.size for v in values)
+    return [v for v in values if not v.same and (v.size or not none) and not v.nothing]
+
+
+def _farthest(every: dict[str, list[Value]]) -> dict[str, list[Value]]:
+    """Of values of which each alone may be the model's, though all together are not (``as_given`` would have
+    put them back), that which is farthest from it in its own spread.
+    """
+    apart = {id(v): v.apart for values in every.values() for v in values}
+    most = max(apart.values(), default=0.0)
+    return {owner: [v for v in values if apart[id(v)] == most > 0.0] for owner, values in every.items()}
 
 
 def _joint_by_joint(term: Term) -> Term:

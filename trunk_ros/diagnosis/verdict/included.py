@@ -4,7 +4,7 @@ both, and both are told.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 
 import numpy as np
 
@@ -30,6 +30,12 @@ def all_findings(state: Fit, found: dict[str, Evidence], std: Spreads, who: str 
     whole, std = Hypothesis({**state.hypothesis, **parts}), std | spread
     every = findings(state.context, _but_for_the_models(state, whole), found | proof, std, determined(state))
     return changes(state.context, whole, every, std, who)
+
+
+def names_said(hypothesis: Hypothesis, told: Iterable[Finding]) -> set[str]:
+    """The effects of a hypothesis of which something is said, if only of a part of their form."""
+    said = {f.effect for f in told}
+    return said | {n for n, term in hypothesis.items() if effect(n).includes.get(term.form) in said}
 
 
 def _but_for_the_models(state: Fit, whole: Hypothesis) -> Hypothesis:
