@@ -99,6 +99,13 @@ def test_gearbox_readings_in_degrees_are_named_for_wire_and_servo(good: Recordin
     assert only(mixed, stage="servo")[2].startswith("trunk/gearbox_states looks like degrees: ")
 
 
+def test_setpoints_at_the_joint_side_are_told_by_the_ratio(good: Recording) -> None:
+    kind, joints, said = only(scaled(good, "setpoints", TRUNK.arm.ratio), stage="servo")
+    assert (kind, joints) == ("unit", good.joints)
+    assert said.startswith("setpoints at the joint side?")
+    assert "Divide it by wire.ratio" in said
+
+
 def test_both_in_degrees_are_told_by_the_limits(good: Recording) -> None:
     mixed = scaled(scaled(good, "joint_states", PER_RADIAN), "gearbox_states", PER_RADIAN)
     kind, _, said = only(mixed)

@@ -16,7 +16,7 @@ from trunk_ros.data.mix_ups.no_torque import no_torque, without_torque
 from trunk_ros.data.mix_ups.order import swapped, turned_signs
 from trunk_ros.data.mix_ups.pair import MixUp, pair_of
 from trunk_ros.data.mix_ups.stuck import stuck
-from trunk_ros.data.mix_ups.units import counts, degrees, exchanged
+from trunk_ros.data.mix_ups.units import counts, degrees, exchanged, joint_sided
 from trunk_ros.data.mix_ups.unled import unled
 from trunk_ros.data.span import Span
 from trunk_ros.errors import RecordingError
@@ -117,7 +117,7 @@ def _of_moving(
     found: list[MixUp] = []
     if pair is None:
         return found
-    for look in (copied, counts, swapped, degrees, exchanged, turned_signs):
+    for look in (copied, counts, swapped, degrees, exchanged, joint_sided, turned_signs):
         known = {joint for one in found for joint in one.joints}
         found += [one for one in look(pair) if not known & set(one.joints)]
     if found:

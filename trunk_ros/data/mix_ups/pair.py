@@ -47,6 +47,8 @@ class Pair:
     """(joints,) target over source, as the model has it."""
     limit: Array
     """(joints,) largest angle of the target within the model's limits; inf where it states none."""
+    ratio: Array
+    """(joints,) joint angle per motor-side angle, as the model has it."""
     ratio_known: bool
 
     @property
@@ -95,7 +97,8 @@ def pair_of(
     angles = np.array([recording.unit(joint) == "rad" for joint in source.joints])
     limit = limit if wire else limit / np.abs(arm.ratio)
     known = not (wire and model.any_joints)
-    return Pair(stage, source.joints, stamp[kept], angles, driving[kept], shown[kept], factor, limit, known)
+    both = driving[kept], shown[kept]
+    return Pair(stage, source.joints, stamp[kept], angles, *both, factor, limit, arm.ratio, known)
 
 
 def _at(stamp: Array, source: Array, column: Array) -> Array:

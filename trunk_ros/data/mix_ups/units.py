@@ -103,6 +103,27 @@ def exchanged(pair: Pair) -> list[MixUp]:
     return [pair.found("order", moves, said, certain=bool(moves.sum() >= SEVERAL))]
 
 
+def joint_sided(pair: Pair) -> list[MixUp]:
+    """Setpoints that go as far as joints would whose motors go as these do, on all joints that the model has
+    turn otherwise than their motors: they were noted at the joint. A single one may not get there.
+    """
+    geared = np.abs(np.log(np.abs(pair.ratio))) > np.log(CLEARLY)
+    moves = (np.abs(own_correlation(pair)) > FOLLOWS) & pair.angles & geared
+    if pair.stage != "servo" or moves.sum() < SEVERAL:
+        return []
+    with np.errstate(divide="ignore", invalid="ignore"):
+        times = np.log(_spread(pair.source[:, moves]) / _spread(pair.target[:, moves]))
+    if not np.all(np.abs(times - np.log(np.abs(pair.ratio[moves]))) < CLOSE):
+        return []
+    source, target = pair.topics
+    said = (
+        f"setpoints at the joint side? {source} of {', '.join(pair.names(moves))} goes as far beside "
+        f"{target} as the model has the joint go beside its motor. Divide it by wire.ratio (expr in a "
+        "mapping) and diagnose again."
+    )
+    return [pair.found("unit", moves, said)]
+
+
 def _spread(values: Array) -> Array:
     low, high = np.quantile(values, [0.02, 0.98], axis=0)
     return np.asarray(high - low)
