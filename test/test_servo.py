@@ -342,6 +342,17 @@ def test_a_servo_in_pieces_feeds_forward_as_in_one() -> None:
     assert np.abs(late).max() < 0.1 * np.abs(plain - whole).max()
 
 
+def test_speed_that_is_fed_beside_the_models_own_is_as_if_the_model_had_both() -> None:
+    stamp, setpoint = steps_and_sweeps(100.0)
+    asked = setpoint[:, :1]
+    for own, more, both in ((0.0, 0.6, 0.6), (0.5, 0.3, 0.8), (0.5, -0.9, 0.0)):
+        told = Model(replace(arm_of(1), feedforward=own), {"speed_feedforward": {"share": more}})
+        went = Chain(told, "servo").run(asked, stamp)[0]
+        plain = Model(replace(arm_of(1), feedforward=both))
+        assert told.number("feedforward") == pytest.approx(both)
+        assert went == pytest.approx(Chain(plain, "servo").run(asked, stamp)[0], abs=1e-12)
+
+
 def test_a_servo_that_is_faster_one_way_drifts_that_way_under_fast_moves() -> None:
     stamp, arm = stamps(4, 100.0), replace(arm_of(1), kp=20.0, tau_v=0.005, v_max=2.0)
     setpoint = np.where(np.floor(stamp / 0.2) % 2 == 0.0, 1.0, -1.0)[:, None]

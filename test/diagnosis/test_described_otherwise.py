@@ -2,10 +2,16 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
+import numpy as np
 import pytest
 
 from test.diagnosis.arms import diagnose
-from test.diagnosis.test_nominal_servo import PLAIN, _left, _stated, recorded_servos
+from test.diagnosis.test_nominal_servo import NOISE, PLAIN, _left, _stated, recorded_servos
+from trunk_ros.model import Model
+from trunk_ros.recording.recording import JointSeries, Recording
+from trunk_ros.simulate import simulate
 
 
 @pytest.mark.parametrize(
@@ -29,6 +35,29 @@ def test_it_is_told_by_its_number(
     assert (finding.effect, found.verdict) == (effect, "explained")
     assert finding.parameters["arm"][parameter]["value"] == pytest.approx(value, rel=0.03)
     assert _left(found.model, recorded_servos(PLAIN | servo, seed=2, after=0.0)).max() < 3e-4
+
+
+@pytest.mark.parametrize(("is_fed", "stated"), [(0.8, 0.0), (0.0, 1.0)])
+def test_a_share_of_speed_that_the_model_has_otherwise_is_told(is_fed: float, stated: float) -> None:
+    """It had been a delay of 1/Kp, or unknown."""
+    made = [recorded_servos(PLAIN, seed, after=0.0) for seed in (1, 2)]
+    driven, other = (
+        replace(run, series=run.series | {"gearbox_states": _moved(run, _stated(feedforward=is_fed))})
+        for run in made
+    )
+    found = diagnose(driven, model=_stated(feedforward=stated))
+    (finding,) = found.findings
+    assert (finding.effect, found.verdict) == ("speed_feedforward", "explained")
+    assert finding.parameters["arm"]["share"]["value"] == pytest.approx(is_fed - stated, abs=0.02)
+    assert _left(found.model, other).max() < 3e-4
+
+
+def _moved(run: Recording, model: Model) -> JointSeries:
+    """What the servos of a model make of the setpoints of a recording, with its noise."""
+    shown, rng = run.series["gearbox_states"], np.random.default_rng(3)
+    went = simulate(run, model, source="setpoints").series["gearbox_states"]
+    position = np.column_stack([np.interp(shown.stamp, went.stamp, p) for p in went.position.T])
+    return replace(shown, position=position + NOISE * rng.standard_normal(position.shape))
 
 
 def test_a_velocity_loop_goes_beside_a_gain() -> None:

@@ -41,6 +41,7 @@ TABLE: dict[str, tuple[str, str, dict[str, str], set[str]]] = {
     "servo_offset": ("servo", "always", {"offset": "rad"}, set()),
     "servo_delay": ("servo", "high_speed", {"delay": "s"}, {"delay"}),
     "servo_bandwidth": ("servo", "high_speed", {"relative": "1"}, {"relative"}),
+    "speed_feedforward": ("servo", "high_speed", {"share": "1"}, {"share"}),
     "velocity_loop": ("servo", "high_speed", {"relative": "1"}, {"relative"}),
     "velocity_saturation": ("servo", "high_speed", {"v_max": "rad/s"}, {"v_max"}),
     "uneven_speed": ("servo", "high_speed", {"excess": "1"}, set()),

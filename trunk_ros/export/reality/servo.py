@@ -28,6 +28,7 @@ class Servo:
         scene = Scene(arm, model.duration, 0.0, *(np.zeros((1, len(arm.joints))),) * 3)
         core = core_of(scene.gearbox)
         core.delay = np.zeros(len(arm.joints)) + arm.delay
+        core.feedforward = np.zeros(len(arm.joints)) + arm.feedforward
         for block in [Block(e, arm, 1) for e in effects if e.acts_at == Effect.CORE]:
             block.adjust(core, scene)
         columns = environments * len(arm.joints)
@@ -49,7 +50,7 @@ class Servo:
         self.held: Array | None = None
         late = spread(core.delay)
         self.past = Past(late) if np.any(late > 0.0) else None
-        self.early = spread(np.asarray(arm.feedforward)) / (self.gain * self.kp)
+        self.early = spread(core.feedforward) / (self.gain * self.kp)
         self.asked: Array | None = None
         self.before: Array | None = None
         self.low: Array = np.zeros(columns)

@@ -39,8 +39,8 @@ class Compensation:
     def _begin(self, at: Array) -> Lead:
         """The motors stand ``at`` (joints,) rad."""
         self._aim = self.out = at
-        arm = self.model.arm
-        self._lead = Lead(at, self.gain, self.tau_v, self.tops, arm.feedforward, arm.ahead)
+        ahead = self.model.arm.ahead
+        self._lead = Lead(at, self.gain, self.tau_v, self.tops, self.feedforward, ahead)
         return self._lead
 
     def _use(self, model: Model) -> None:
@@ -49,10 +49,9 @@ class Compensation:
         self.lower, self.upper = gearbox_limits(model.arm)
         self.tops, self.gain = tops_of(model.at_end()), position_gain(model)
         self._asked = np.minimum(self.tops, model.arm.v_max)  # what it is told to stay below
-        self.tau_v = model.at_end().number("tau_v")
+        self.tau_v, self.feedforward = (model.at_end().number(name) for name in ("tau_v", "feedforward"))
         if self._lead is not None:
-            arm = model.arm
-            self._lead.use(self.gain, self.tau_v, self.tops, arm.feedforward, arm.ahead)
+            self._lead.use(self.gain, self.tau_v, self.tops, self.feedforward, model.arm.ahead)
         self._state: State | None = None
         self._fade = np.zeros(len(model.arm.joints))
 
