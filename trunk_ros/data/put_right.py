@@ -40,7 +40,7 @@ def as_diagnosed(recording: Recording, model: ArmModel) -> Recording:
     bare = replace(model, effects={})
     right = without_faults(readings_put_right(one_of_each_rest(by_joint(recording, bare.arm)), bare))
     found = mix_ups(right, bare)
-    right, mixed = without_torque(right, found), [one for one in found if one.certain]
+    right, mixed = without_torque(right, found), [one for one in found if one.certain and one.stage != "arm"]
     if mixed:
         joints = ", ".join(dict.fromkeys(joint for one in mixed for joint in one.joints))
         note = f"{joints}: mixed up, and taken as recorded, as are all stamps; diagnose says what it is"

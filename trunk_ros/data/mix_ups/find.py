@@ -16,6 +16,7 @@ from trunk_ros.data.mix_ups.no_torque import no_torque, without_torque
 from trunk_ros.data.mix_ups.order import swapped, turned_signs
 from trunk_ros.data.mix_ups.pair import MixUp, pair_of
 from trunk_ros.data.mix_ups.stuck import stuck
+from trunk_ros.data.mix_ups.tip import tip_mixed
 from trunk_ros.data.mix_ups.units import counts, degrees, exchanged, joint_sided
 from trunk_ros.data.mix_ups.unled import unled
 from trunk_ros.data.span import Span
@@ -37,6 +38,8 @@ def mix_ups(recording: Recording, model: ArmModel) -> list[MixUp]:
         if all(key in recording.series for key in COMPARED[stage]):
             known = {joint for one in out if one.kind == "stuck" for joint in one.joints}
             out += _of_stage(recording, model, stage, known)
+    if not any(one.certain for one in out):
+        out += tip_mixed(recording, model)
     return out + no_torque(recording, model)
 
 
@@ -53,6 +56,9 @@ def without_mix_ups(recording: Recording, found: list[MixUp]) -> Recording:
             asked = series.pop("setpoints", None)
             if asked is not None and one.kind in ("unled", "stuck"):
                 series["setpoints"] = _unread(asked, one.joints)
+            continue
+        if one.stage == "arm":
+            tip = None
             continue
         if one.kind == "guided":
             series.pop("setpoints", None)
