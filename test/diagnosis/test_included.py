@@ -100,6 +100,7 @@ def test_what_differs_only_in_all_its_values_together_is_told_by_that_which_diff
     std = spreads(state) | wide | {("load_elasticity", "payload", None): 0.06}
     told = {f.effect: f for f in all_findings(known, evidence(state), std)}
     assert {j: [*v] for j, v in told["load_elasticity"].parameters.items()} == {"arm": ["payload"]}
+    assert told["load_elasticity"].confidence == 0.5
     stage.known = state.hypothesis.copy()
     assert not all_findings(known, evidence(state), std)
 

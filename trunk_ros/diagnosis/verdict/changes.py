@@ -17,7 +17,7 @@ from trunk_ros.diagnosis.verdict.finding import Finding, evidence_of
 from trunk_ros.diagnosis.verdict.findings import ARM, VARIES_WITH, unchanged, value_of
 from trunk_ros.effects import Effect, confused, effect
 from trunk_ros.effects.bank import Bank
-from trunk_ros.levels import ROUGH, SURE
+from trunk_ros.levels import HALF, ROUGH, SURE
 from trunk_ros.parameter import Parameter
 from trunk_ros.units import sized, unit_on
 
@@ -126,7 +126,8 @@ def _changed(
     owners = [(ARM, None), *((context.joints[c], c) for c in context.columns)]
     every = {owner: list(_values(context, known, now, column, std)) for owner, column in owners}
     each = {owner: _differing(values) for owner, values in every.items()}
-    if found is not None and not any(each.values()):
+    together = found is not None and not any(each.values())
+    if together:
         each = _farthest(every)
     for owner, values in every.items():
         none = all(v.none for v in values if v.size) and any(v.size for v in values)
@@ -145,6 +146,8 @@ def _changed(
     what = kind.title((now or known).form)
     statement = f"{what[0].lower()}{what[1:]}: {'; '.join(said)}."
     base = _gone(known) if found is None or gone else found
+    if together:  # which of them it is, is a guess
+        base = replace(base, confidence=min(base.confidence, HALF))
     return replace(base, joints=joints, parameters=parameters, statement=statement)
 
 
