@@ -135,6 +135,7 @@ def test_joints_may_drag_each_other() -> None:
 
 def test_a_tension_error_scales_the_nominal_dead_band() -> None:
     alike(wire("tension_error", dead_band=2e-3, factor=1.5), play(THETA, 3e-3), 1e-12)
+    alike(wire("narrow_band", dead_band=2e-3, less=0.25), play(THETA, 1.5e-3), 1e-12)
 
 
 def test_friction_grows_with_the_load() -> None:

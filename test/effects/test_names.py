@@ -18,6 +18,7 @@ TABLE: dict[str, tuple[str, str, dict[str, str], set[str]]] = {
     "thermal_drift": ("wire", "time", {"amplitude": "rad", "time_constant": "s", "rate": "rad/s"}, set()),
     "wire_slip": ("wire", "time", {"onset": "s", "step": "rad"}, set()),
     "backlash": ("wire", "reversal", {"half_width": "rad"}, set()),
+    "narrow_band": ("wire", "reversal", {"less": "1"}, set()),
     "tension_error": ("wire", "reversal", {"factor": "1"}, {"factor"}),
     "load_dependent_friction": ("wire", "reversal", {"gain": "rad/(N*m)"}, set()),
     "stribeck_friction": ("wire", "low_speed", {"amplitude": "rad", "velocity": "rad/s"}, set()),

@@ -13,7 +13,7 @@ from trunk_ros.effect_values import Values
 from trunk_ros.effects import Effect, effect
 from trunk_ros.transmission import ratio_of
 
-PLAY = ("backlash", "tension_error")
+PLAY = ("backlash", "tension_error", "narrow_band")
 EXCESS = "{}: the simulator has more of it than the arm ({}), which nothing that is added takes away"
 CHANGED = "{}: the simulator has it with other values, and one cannot be had from the other"
 
@@ -82,7 +82,8 @@ def play_of(model: ArmModel) -> Array:
     """(joints,) rad: half-width of the play, with what was found."""
     factor = model.effects.get("tension_error", {}).get("factor", 1.0)
     added = model.effects.get("backlash", {}).get("half_width", 0.0)
-    return np.asarray(np.maximum(model.arm.dead_band * factor + added, 0.0))
+    less = model.effects.get("narrow_band", {}).get("less", 0.0)
+    return np.asarray(np.maximum(model.arm.dead_band * (factor - less) + added, 0.0))
 
 
 def _less(
