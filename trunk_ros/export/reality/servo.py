@@ -27,8 +27,7 @@ class Servo:
         self.behind = [Block(e, arm, environments) for e in effects if e.acts_at > Effect.CORE]
         scene = Scene(arm, model.duration, 0.0, *(np.zeros((1, len(arm.joints))),) * 3)
         core = core_of(scene.gearbox)
-        core.delay = np.zeros(len(arm.joints)) + arm.delay
-        core.feedforward = np.zeros(len(arm.joints)) + arm.feedforward
+        core.delay, core.feedforward = np.atleast_1d(arm.delay), np.atleast_1d(arm.feedforward)
         for block in [Block(e, arm, 1) for e in effects if e.acts_at == Effect.CORE]:
             block.adjust(core, scene)
         columns = environments * len(arm.joints)
