@@ -168,6 +168,8 @@ def in_blocks(chain: Chain, backward: bool, signal: Any, stamp: Any, cuts: list[
 @settings(max_examples=2, deadline=None)
 @given(cuts=st.sets(st.integers(1, 499), min_size=1, max_size=8), jitter=st.integers(0, 2**31))
 def test_block_by_block_equals_all_at_once(name: str, form: str, cuts: set[int], jitter: int) -> None:
+    if name == "speed_feedforward":
+        pytest.skip("the first setpoints do not tell their pace: in pieces see test_servo")
     stage, model = registry()[name].stage, model_of(name, form)
     stamp = 0.012 * (np.arange(500) + np.random.default_rng(jitter).uniform(-0.4, 0.4, 500))
     x = input_of(
