@@ -15,10 +15,6 @@ LONG = ("test0224", "aurora_ff")
 pytestmark = marks(SHEATH)
 
 
-def test_dead_zone_and_hysteresis_of_the_tendon_sheath_are_named() -> None:
-    assert {"backlash", "presliding_hysteresis"} <= named(diagnosed(SHEATH, "test0224", SHEATH, HALF))
-
-
 @pytest.mark.parametrize(
     ("name", "mapping"),
     [
