@@ -183,8 +183,7 @@ class Diagnoser:
             self._stage(ServoStage(spans, found, self.units, filled, identified))
             spans.clear()
         if identified and self.servos is None:
-            self.model, said = with_other_numbers(self.model, self.effects)
-            self.effects = {n: v for n, v in self.effects.items() if n not in said}
+            self.model, self.effects, said = with_other_numbers(self.model, self.effects)
             self.result.findings = [f for f in self.result.findings if f.effect not in said]
 
     def found_servos(self) -> Servos:

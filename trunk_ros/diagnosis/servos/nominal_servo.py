@@ -138,20 +138,21 @@ def _identified(
     return _with(model, numbers), float(np.sqrt(squares)), {joint: loop for loop, joint, _ in found}
 
 
-def with_other_numbers(model: Model, effects: Mapping[str, Values]) -> tuple[Model, set[str]]:
+def with_other_numbers(
+    model: Model, effects: Mapping[str, Values]
+) -> tuple[Model, dict[str, Values], set[str]]:
     """The model whose servos were found in a recording with those of their numbers that ``effects`` of it
-    say to be others, and which effects say no more than that: what else acts on a servo was not known yet
-    when it was found.
+    say to be others, the other effects, and which say no more than that: what else acts on a servo was not
+    known yet when it was found.
     """
     said = {
         name
         for name, values in effects.items()
         if effect(name).changes in SERVO_OF_EACH and NULLS.keys().isdisjoint(values)
     }
-    other = replace(model, effects={name: effects[name] for name in said})
-    return _with(
-        model, np.array([np.broadcast_to(other.number(n), len(model.arm.joints)) for n in SERVO_OF_EACH])
-    ), said
+    told = replace(model, effects={name: effects[name] for name in said})
+    numbers = [np.broadcast_to(told.number(name), len(model.arm.joints)) for name in SERVO_OF_EACH]
+    return _with(model, np.array(numbers)), {n: v for n, v in effects.items() if n not in said}, said
 
 
 def _like_others(loop: Loop, own: Array, others: list[Array], cost: float) -> tuple[Array, float]:
