@@ -98,6 +98,13 @@ class ArmModel:
             number = effect(found).changed(number, values) if effect(found).changes == name else number
         return number
 
+    @property
+    def top_speeds(self) -> tuple[Array, Array]:
+        """(joints,) rad/s each: the top speeds of the shafts upwards and downwards, with what was found."""
+        v_max = np.broadcast_to(self.number("v_max"), len(self.arm.joints))
+        uneven = np.asarray(self.effects.get("uneven_speed", {}).get("excess", 0.0))
+        return np.asarray(v_max * (1.0 + uneven)), np.asarray(v_max * (1.0 - uneven))
+
     def prompt(self) -> Self:
         """The model with readings that are not late: as the joints are."""
         kept = {name: v for name, v in self.effects.items() if not effect(name).delays_readings}

@@ -74,10 +74,3 @@ def at_joints(series: JointSeries, arm: Arm, measured: bool = True) -> JointSeri
 def ratio_of(model: ArmModel) -> Array:
     """(joints,) joint angle per gearbox angle, with what was found."""
     return np.asarray(model.number("ratio"))
-
-
-def tops_of(model: ArmModel) -> tuple[Array, Array]:
-    """(joints,) rad/s each: the top speeds of the shafts upwards and downwards, with what was found."""
-    v_max = np.broadcast_to(model.number("v_max"), len(model.arm.joints))
-    uneven = np.asarray(model.effects.get("uneven_speed", {}).get("excess", 0.0))
-    return np.asarray(v_max * (1.0 + uneven)), np.asarray(v_max * (1.0 - uneven))

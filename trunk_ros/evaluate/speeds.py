@@ -8,7 +8,6 @@ from trunk_ros.arm_model import ArmModel
 from trunk_ros.data.motion_content import top_speed
 from trunk_ros.levels import NEARLY
 from trunk_ros.recording.recording import Recording
-from trunk_ros.transmission import tops_of
 
 
 def too_slow(recording: Recording, model: ArmModel) -> list[str]:
@@ -18,7 +17,7 @@ def too_slow(recording: Recording, model: ArmModel) -> list[str]:
     if not {"setpoints", "gearbox_states"} <= recording.series.keys() or not model.says_its_servos:
         return []
     model, seen = model.at_end(), recording.series["gearbox_states"]
-    tops = np.maximum(*tops_of(model))
+    tops = np.maximum(*model.top_speeds)
     went = {
         j: top_speed(seen.stamp, seen.select((j,)).position) for j in model.arm.joints if j in seen.joints
     }

@@ -17,7 +17,6 @@ from trunk_ros.export.missing import missing
 from trunk_ros.export.reality.scene import Scene
 from trunk_ros.export.reality.servo import Servo
 from trunk_ros.export.reality.wire import Wire
-from trunk_ros.transmission import tops_of
 
 
 class Plant:
@@ -46,7 +45,7 @@ class Plant:
         if environments < 1:
             raise ModelError(f"{environments} environments: give 1 or more")
         own = with_its_loops(model)
-        self._tops = tops_of(own)
+        self._tops = own.top_speeds
         beside = {name: values for name, values in own.effects.items() if name != "uneven_speed"}
         self.model, self.joints = missing(replace(own, effects=beside)).model, model.arm.joints
         self._shape = environments, len(self.joints)

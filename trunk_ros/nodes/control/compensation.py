@@ -11,7 +11,6 @@ from trunk_ros.model import Model
 from trunk_ros.nodes.bus import between, gearbox_limits, within
 from trunk_ros.nodes.control.lead import Lead
 from trunk_ros.trajectory import Array
-from trunk_ros.transmission import tops_of
 
 NUDGE = 1e-4  # rad, tells a new model in which direction a joint came
 FADE = 0.3  # s in which a difference at the start or at a change of model fades out
@@ -47,7 +46,7 @@ class Compensation:
         self.model = model
         self.chain = Chain(model, "wire", hold_time=True)
         self.lower, self.upper = gearbox_limits(model.arm)
-        self.tops, self.gain = tops_of(model.at_end()), position_gain(model)
+        self.tops, self.gain = model.at_end().top_speeds, position_gain(model)
         self._asked = np.minimum(self.tops, model.arm.v_max)  # what it is told to stay below
         self.tau_v, self.feedforward = (model.at_end().number(name) for name in ("tau_v", "feedforward"))
         if self._lead is not None:
