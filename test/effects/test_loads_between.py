@@ -16,7 +16,7 @@ def _run(loop: Callable[..., Any], period: float) -> Array:
     load = 0.02 * np.sin(3.0 * stamp)[:, None] * np.array([1.0, -2.0])
     still, one, out = np.zeros_like(load), np.ones(2), np.empty_like(load)
     state = np.array([[0.0, 0.0], [0.0, 0.0], [0.0, 0.0], [np.nan, np.nan]])
-    numbers = [np.ascontiguousarray((value * one)[None]) for value in (20.0, 0.02, 9.0, 0.0)]
+    numbers = [np.ascontiguousarray((value * one)[None]) for value in (20.0, 0.02, 9.0, 9.0, 0.0)]
     if loop is servo_loops:
         numbers = [each[0] for each in numbers]
     torque, rub, cogging = 0.0 * one, 0.0 * one, np.zeros((3, 1, 2))
