@@ -55,7 +55,7 @@ def with_its_setpoints(model: Model, recordings: Sequence[Recording], told: Sequ
     if all(is_explained(loop, _but_for_a_lag(loop, numbers)) for loop, numbers in others):
         return sampled
     nearer = CLEARLY * _in_all(others) < _in_all(told)
-    return sampled if nearer and _explains_as_much(others, told) else model
+    return sampled if nearer and _explain_as_much(_left(others, quickly=True), told) else model
 
 
 def with_its_step(model: Model, recordings: Sequence[Recording], told: Sequence[Told]) -> Model:
@@ -78,14 +78,14 @@ def with_its_step(model: Model, recordings: Sequence[Recording], told: Sequence[
     fitted, rest = _fitted(quick, quickly=True)
     alike = [(loop, numbers) for (loop, _), (_, numbers) in zip(told, fitted, strict=True)]
     again = STEP * (1.0 - _nearer(alike, fitted))
-    looks = [(_times(rest, left), 0.0), (_times(_left(stepped(again), quickly=True), left), again)]
-    (first, _), (second, _) = looks
+    rests = {0.0: rest, again: _left(stepped(again), quickly=True)}
+    first, second = (_times(rests[step], left) for step in (0.0, again))
     if 0.0 < second < first:  # what steps leave is in proportion to how far off they are
         ends = min(again * first / (first - second), STEP)
-        looks.append((_times(_left(stepped(ends), quickly=True), left), ends))
-    times, step = min(looks)
+        rests[ends] = _left(stepped(ends), quickly=True)
+    times, step = min((_times(rest, left), step) for step, rest in rests.items())
     nearer = CLEARLY * times < 1.0
-    return _in_steps(model, step) if nearer and _explains_as_much(stepped(step), told) else model
+    return _in_steps(model, step) if nearer and _explain_as_much(rests[step], told) else model
 
 
 def _told(model: Model, recordings: Sequence[Recording]) -> list[Told]:
@@ -115,11 +115,10 @@ def _explains(told: Sequence[Told]) -> bool:
     return all(is_explained(loop, loop.left(numbers)) for loop, numbers in told)
 
 
-def _explains_as_much(others: Sequence[Told], told: Sequence[Told]) -> bool:
-    """Whether loops like ``others`` leave hardly more than noise, or not clearly more than those of ``told``
-    with other velocity loops.
+def _explain_as_much(rest: Array, told: Sequence[Told]) -> bool:
+    """Whether a ``rest`` (joints,) is hardly more than noise, or not clearly more than what loops of ``told``
+    leave with other velocity loops.
     """
-    rest = _left(others, quickly=True)
     if np.all(rest**2 <= HARDLY_MORE):
         return True
     return _times(rest, _left(told, quickly=True, speeding=True)) < CLEARLY

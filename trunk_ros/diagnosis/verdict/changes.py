@@ -130,8 +130,7 @@ def _changed(
     if together:
         each = _farthest(every)
     for owner, values in every.items():
-        none = all(v.none for v in values if v.size) and any(v.size for v in values)
-        differ = each[owner]
+        none, differ = _is_none(values), each[owner]
         if not differ:
             continue
         told = {} if none or found is None else dict(found.parameters.get(owner, {}))
@@ -151,9 +150,14 @@ def _changed(
     return replace(base, joints=joints, parameters=parameters, statement=statement)
 
 
+def _is_none(values: Sequence[Value]) -> bool:
+    """Whether a joint has sizes, and nothing is seen of any."""
+    return all(v.none for v in values if v.size) and any(v.size for v in values)
+
+
 def _differing(values: Sequence[Value]) -> list[Value]:
     """Those of a joint that are surely not the model's."""
-    none = all(v.none for v in values if v.size) and any(v.size for v in values)
+    none = _is_none(values)
     return [v for v in values if not v.same and (v.size or not none) and not v.nothing]
 
 
