@@ -5,6 +5,7 @@ from __future__ import annotations
 from functools import cache
 
 import numpy as np
+import pytest
 
 from test.diagnosis.arms import diagnose
 from trunk_ros.data.align import wire_span
@@ -80,6 +81,20 @@ def test_one_that_rests_for_long_shows_what_creeps_and_how_loud_its_own_sensor_i
     assert "viscoelastic_creep" in wires.effects
     assert "backlash" in wires.unseen[HOLDS]
     assert wires.joints["a"] < 5e-5
+
+
+def test_one_that_rests_on_its_way_shows_that_its_wire_slipped() -> None:
+    """A step in its zero on the way between two rests is no ratio."""
+    stamp, rng = np.arange(0.0, 40.0, 0.02), np.random.default_rng(3)
+    motor = np.interp(stamp, [0.0, 2.0, 3.0, 19.0, 21.0], [0.0, 0.0, 0.1, 0.1, 0.8])
+    true = motor - 3e-3 * (stamp >= 20.2) + 2e-4 * rng.normal(size=stamp.shape)
+    series = {
+        "gearbox_states": JointSeries(stamp, ("a",), motor[:, None]),
+        "joint_states": JointSeries(stamp, ("a",), true[:, None]),
+    }
+    result = diagnose([Recording("slip", 0, float(stamp[-1]), series)], model="direct")
+    assert [finding.effect for finding in result.findings] == ["wire_slip"]
+    assert result.findings[0].parameters["a"]["step"]["value"] == pytest.approx(-3e-3, rel=0.02)
 
 
 @cache

@@ -35,7 +35,7 @@ LACKS = {
 }
 RARE = "the recording stops and measures, or always moves alike: it shows nothing of speed and holds"
 ONE_WAY = "no joint turns back: the recording shows nothing of reversals, holds and time"
-HOLDS = "no joint turns back: the recording shows nothing of reversals and time"
+HOLDS = "no joint turns back: the recording shows nothing of reversals and of what drifts"
 HIDDEN = "the motion of no joint can show it"
 
 

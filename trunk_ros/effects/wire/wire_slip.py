@@ -9,6 +9,7 @@ from trunk_ros.compiled import Array
 from trunk_ros.effects.effect import Effect, Now
 from trunk_ros.effects.lasting import shown_between
 from trunk_ros.effects.moments import RISE
+from trunk_ros.effects.now import Motion
 from trunk_ros.parameter import LATER, UNTIL, Parameter
 
 MOMENTS = 80  # parts of a recording, of each of which the steepest is looked at
@@ -43,6 +44,11 @@ class WireSlip(Effect):
     def moments(cls) -> tuple[Parameter, ...]:
         """It has begun at its onset; it may go on."""
         return (UNTIL, *LATER)
+
+    @classmethod
+    def forms_shown(cls, motion: Motion) -> tuple[str, ...]:
+        """Nothing else jumps at once, so that joints that rest on their way need not come back to show it."""
+        return cls.forms if motion.one_way and motion.holds else super().forms_shown(motion)
 
     def run(self, x: Array, now: Now, state: Any) -> tuple[Array, Any]:
         return x + self._jump(now), None
