@@ -184,6 +184,15 @@ def test_a_stop_as_soft_as_the_wire_is_a_stop() -> None:
     assert [(f.effect, f.joints) for f in result.findings] == [("hard_stop", ["joint_2"])]
 
 
+def test_a_stop_that_holds_the_joint_most_of_the_time_is_a_stop() -> None:
+    mostly = np.quantile(recorded(seed=3, noise=0.0).series["joint_states"].position[:, 1], 0.2)
+    upper = np.where(on(2, 1.0) > 0, mostly, np.inf)
+    result = diagnose([of_the_wires(recorded({"hard_stop": {"upper": upper}}, seed=3))])
+    (found,) = result.findings
+    assert (found.effect, found.joints) == ("hard_stop", ["joint_2"])
+    assert found.parameters["joint_2"]["upper"]["value"] == pytest.approx(mostly, abs=1e-3)
+
+
 def test_a_late_sensor_is_one_delay_of_the_whole_arm() -> None:
     result = diagnose([of_the_wires(recorded({"sensor_delay": {"delay": 0.02}}))])
     (found,) = result.findings

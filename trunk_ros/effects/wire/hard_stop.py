@@ -9,7 +9,7 @@ from trunk_ros.effects.effect import Effect, Now
 from trunk_ros.parameter import Parameter
 
 FREE = 100.0  # rad: no stop
-LEVELS = (0.6, 0.75, 0.85, 0.92, 0.97)  # of the samples that a fit starts from as free
+LEVELS = (0.15, 0.35, 0.6, 0.75, 0.85, 0.92, 0.97)  # of the samples that a fit starts from as free
 DEPTHS = (0.03, 0.01, 0.003, 0.001)  # of the motion that a fit starts from as beyond
 YIELDING = 2.0 / 3.0  # share of the motion into it that goes on: of what is half as stiff as the wire
 
@@ -46,12 +46,10 @@ class HardStop(Effect):
         return np.minimum(np.maximum(y, self["lower"]), self["upper"]), None
 
     def credible(self, now: Now, beside: bool = False) -> bool:
-        """Met within the motion, for the smaller part of it, and in its way: or it is no more than another
-        ratio.
-        """
+        """Met within the motion, not always, and in its way: or it is no more than another ratio and zero."""
         u = now.gearbox * now.ratio
         met = u > self["upper"] if self.form == "upper" else u < self["lower"]
-        return bool(0.0 < met.mean() < 0.5 and np.all(self["give"] < YIELDING))
+        return bool(0.0 < met.mean() < 1.0 and np.all(self["give"] < YIELDING))
 
     @classmethod
     def own_parameters(cls, form: str) -> tuple[Parameter, ...]:
