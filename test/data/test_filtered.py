@@ -83,6 +83,17 @@ def test_digits_that_a_table_leaves_out_hide_no_edge(clean: Recording) -> None:
     assert edge(reshaped(clean, "joint_states", position=np.round(shown / STEP) * STEP)) is not None
 
 
+def test_readings_that_are_missing_hide_no_edge() -> None:
+    whole = without_phase(made())
+    shown = whole.series["joint_states"].position.copy()
+    shown[np.random.default_rng(3).choice(len(shown), 40, replace=False)] = np.nan
+    shown[:2, 0] = shown[-2:, 1] = np.nan
+    found, before = edge(reshaped(whole, "joint_states", position=shown)), edge(whole)
+    assert found is not None
+    assert before is not None
+    assert found.frequency == pytest.approx(before.frequency, rel=0.1)
+
+
 def test_the_edge_of_a_sensor_of_two_poles_is_found() -> None:
     arm = made()
     two = sosfilt(butter(2, CUT, fs=RATE, output="sos"), white(arm), axis=0)
