@@ -10,7 +10,7 @@ import pytest
 
 from test.diagnosis.arms import SHORT, TRUNK, diagnose, of_the_servos, of_the_wires, recorded, reshaped
 from trunk_ros.compiled import Array
-from trunk_ros.data.spectrum import spectrum
+from trunk_ros.data.spectrum import comes_back, spectrum
 from trunk_ros.diagnosis import Diagnosis
 from trunk_ros.diagnosis.discrepancy.curves import Place, with_curve
 from trunk_ros.diagnosis.discrepancy.jumps import jumps, moved_by, turns_of
@@ -165,6 +165,18 @@ def test_a_line_is_found_between_the_steps_of_its_spectrum(frequency: float) -> 
     found, share = spectrum(stamp, np.sin(2 * np.pi * frequency * stamp) + NOISE.normal(size=4000))
     assert found == pytest.approx(frequency, abs=2e-3)
     assert share == pytest.approx(1 / 3, abs=0.05)
+
+
+@pytest.mark.parametrize(
+    ("period", "again"), [(8.0, True), (4.0, True), (2.0, True), (5.3, False), (0.4, False)]
+)
+def test_what_swings_as_often_as_a_motion_repeats_may_be_of_the_motion(period: float, again: bool) -> None:
+    stamp = np.arange(0.0, 60.0, 0.02)
+    places = 0.3 * np.cumsum(NOISE.normal(size=8))
+    cycle = np.interp(stamp % 8.0, np.arange(9.0), np.append(places, places[0]))
+    alone = 0.3 * np.sin(0.9 * stamp) + 0.2 * np.sin(0.37 * stamp)
+    assert comes_back(np.column_stack([alone, cycle]), stamp, period, KNOTS) == again
+    assert not comes_back(alone[:, None], stamp, period, KNOTS)
 
 
 def test_noise_does_not_jump_and_steps_do_when_they_do() -> None:

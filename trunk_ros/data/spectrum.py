@@ -7,7 +7,7 @@ from scipy.fft import next_fast_len, rfft
 from scipy.optimize import minimize_scalar
 
 from trunk_ros.compiled import Array
-from trunk_ros.levels import SEVERAL, TENFOLD
+from trunk_ros.levels import NEARLY, SEVERAL, TENFOLD, TURNS
 from trunk_ros.machine import precision
 
 FINER = 4  # steps of a first look to each line's width, by which two waves part by a period
@@ -35,6 +35,23 @@ def spectrum(stamp: Array, residual: Array) -> tuple[float, float]:
     best = minimize_scalar(lambda f: -_explained(f, stamp, off), bounds=near, method="bounded",
                            options={"xatol": 1e-4 / span})  # fmt: skip
     return float(best.x), float(-best.fun)
+
+
+def comes_back(motion: Array, stamp: Array, period: float, parts: int) -> bool:
+    """Whether one of motors (n, motors) goes through the same at ``stamp`` (n,) s again and again, in a
+    period or a few of them, looked at in so many ``parts``: what swings with that may be of the motion as
+    well as of time.
+    """
+    for times in range(1, TURNS + 1):
+        if times * period > (stamp[-1] - stamp[0]) / SEVERAL:
+            break
+        phase = (stamp / (times * period) % 1.0 * parts).astype(int) % parts
+        count = np.maximum(np.bincount(phase, minlength=parts), 1)
+        for course in (motion - motion.mean(axis=0)).T:
+            sums = np.bincount(phase, weights=course, minlength=parts)
+            if float(course @ course) > 0.0 and np.sum(sums**2 / count) > NEARLY * float(course @ course):
+                return True
+    return False
 
 
 def _longest(stamp: Array) -> slice:

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from trunk_ros.data.spectrum import comes_back
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.hypothesis import Term
 from trunk_ros.effects.curve import HIGH, KNOTS, LOW, ON, SPEED_OF, VALUES, Curve, words_of
@@ -48,13 +49,17 @@ def regime_of(kind: type[Curve], variable: str) -> str:
     return REGIME_OF.get(words_of(variable)[-1], "posture")
 
 
-def statement(kind: type[Curve], term: Term, where: str) -> str:
-    """One sentence."""
+def statement(context: Context, kind: type[Curve], term: Term, where: str) -> str:
+    """One sentence; of what swings as the motion does, two."""
     if issubclass(kind, UnknownCycle):
         rates = {f"{1.0 / term.own[c][HIGH]:.3g} Hz" for c in term.columns}
+        swings = kind.swings.format(" and ".join(sorted(rates)))
+        stands_in = "in a way that no name fits; a smooth curve over one period stands in for it."
+        if not any(_moves_alike(context, c, term.own[c][HIGH]) for c in term.columns):
+            return f"{where}: {swings}{kind.whenever}, {stands_in}"
         return (
-            f"{where}: {kind.swings.format(' and '.join(sorted(rates)))}, "
-            "in a way that no name fits; a smooth curve over one period stands in for it."
+            f"{where}: {swings}, as often as the motion repeats, {stands_in} These data do not show whether "
+            "it comes with time or with the motion: record a motion that does not repeat."
         )
     if issubclass(kind, UnknownJumps):
         count = max(sum(p.name in term.own[c] for p in MOMENTS) for c in term.columns)
@@ -62,6 +67,12 @@ def statement(kind: type[Curve], term: Term, where: str) -> str:
     of = f"{kind.of} " if kind.of != Curve.of else ""
     on = variable_of(term, term.columns[0])
     return f"{where}: {of}depends on {on} in a way that no name fits; a smooth curve stands in for it."
+
+
+def _moves_alike(context: Context, column: int, period: float) -> bool:
+    """Whether a motor repeats its motion as often as a column's residual swings."""
+    span = context.views[context.telling(column)[0]].span
+    return comes_back(span.measured(span.source), span.stamp, period, KNOTS)
 
 
 def told(context: Context, kind: type[Curve], term: Term) -> dict[str, Any]:

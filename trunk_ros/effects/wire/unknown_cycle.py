@@ -22,7 +22,8 @@ class UnknownCycle(Curve):
     linear = True
     signature = "The residual swings in time with one period, whether the joint moves or not."
     of = "the angle, again and again,"
-    swings: ClassVar[str] = "the angle swings with {}, whether the joint moves or not"
+    swings: ClassVar[str] = "the angle swings with {}"
+    whenever: ClassVar[str] = ", whether the joint moves or not"
     # A live run does not begin at the phase of the recording: with another phase it would get worse.
     compensable = False
     confused_with: ClassVar[tuple[tuple[str, str], ...]] = (

@@ -14,7 +14,8 @@ class UnknownWaves(UnknownCycle):
     ahead = True
     signature = "The residual swings in time with one period, as far as the backlash lets it through."
     of = "what the wire hands on, again and again,"
-    swings = "what the wire hands on swings with {}, as far as the backlash lets it through"
+    swings = "what the wire hands on swings with {}"
+    whenever = ", as far as the backlash lets it through"
     confused_with: ClassVar[tuple[tuple[str, str], ...]] = (
         ("unknown_cycle", "stand still: what happens before the friction waits for a motion"),
     )
