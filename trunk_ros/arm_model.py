@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any, Self, TypeVar
 
@@ -93,17 +93,28 @@ class ArmModel:
 
     def number(self, name: str) -> Any:
         """A number of the arm, such as its ``ratio``, with what was found of it."""
-        number = getattr(self.arm, name)
+        return self._with_found(name, getattr(self.arm, name))
+
+    @property
+    def top_speeds(self) -> Array:
+        """(2, joints) rad/s: the top speeds of the shafts upwards and downwards, with what was found."""
+        v_max = np.broadcast_to(self.number("v_max"), len(self.arm.joints))
+        return np.asarray(self._with_found("top_speeds", np.array([v_max, v_max])))
+
+    def _with_found(self, name: str, number: Any) -> Any:
         for found, values in self.in_order():
             number = effect(found).changed(number, values) if effect(found).changes == name else number
         return number
 
-    @property
-    def top_speeds(self) -> tuple[Array, Array]:
-        """(joints,) rad/s each: the top speeds of the shafts upwards and downwards, with what was found."""
-        v_max = np.broadcast_to(self.number("v_max"), len(self.arm.joints))
-        uneven = np.asarray(self.effects.get("uneven_speed", {}).get("excess", 0.0))
-        return np.asarray(v_max * (1.0 + uneven)), np.asarray(v_max * (1.0 - uneven))
+    def with_numbers(self, names: Collection[str]) -> Self:
+        """The model whose arm has the numbers of these names as they were found, by joint, without the
+        effects that say so.
+        """
+        numbers: dict[str, Any] = {
+            name: np.broadcast_to(self.number(name), len(self.arm.joints)) for name in names
+        }
+        others = {n: values for n, values in self.effects.items() if effect(n).changes not in names}
+        return replace(self, arm=replace(self.arm, **numbers), effects=others)
 
     def prompt(self) -> Self:
         """The model with readings that are not late: as the joints are."""

@@ -74,4 +74,9 @@ class Core:
     @property
     def tops(self) -> tuple[Array, Array]:
         """(1 or n, columns) rad/s: the top speeds upwards and downwards."""
-        return self.v_max * (1.0 + self.uneven), self.v_max * (1.0 - self.uneven)
+        return up_and_down(self.v_max, self.uneven)
+
+
+def up_and_down(v_max: Array, uneven: Array) -> tuple[Array, Array]:
+    """Top speeds [rad/s] upwards and downwards of servos that are that share of ``v_max`` faster upwards."""
+    return v_max * (1.0 + uneven), v_max * (1.0 - uneven)

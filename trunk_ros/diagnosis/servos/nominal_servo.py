@@ -150,9 +150,9 @@ def with_other_numbers(
         for name, values in effects.items()
         if effect(name).changes in SERVO_OF_EACH and NULLS.keys().isdisjoint(values)
     }
-    told = replace(model, effects={name: effects[name] for name in said})
-    numbers = [np.broadcast_to(told.number(name), len(model.arm.joints)) for name in SERVO_OF_EACH]
-    return _with(model, np.array(numbers)), {n: v for n, v in effects.items() if n not in said}, said
+    told = replace(model, effects={name: effects[name] for name in said}).with_numbers(SERVO_OF_EACH)
+    arm = replace(told.arm, servo_stated=True)
+    return replace(model, arm=arm), {n: v for n, v in effects.items() if n not in said}, said
 
 
 def _like_others(loop: Loop, own: Array, others: list[Array], cost: float) -> tuple[Array, float]:

@@ -2,7 +2,12 @@
 
 from __future__ import annotations
 
-from trunk_ros.effects.core import Core
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from trunk_ros.effects.core import Core, up_and_down
 from trunk_ros.effects.effect import Effect, Now
 from trunk_ros.effects.now import View
 from trunk_ros.parameter import Parameter
@@ -19,12 +24,17 @@ class UnevenSpeed(Effect):
     parameters = (
         Parameter("excess", "1", (-0.9, 0.9), "share by which it is faster up, slower down", typical=0.05),
     )
+    changes = "top_speeds"
     view = View("time", window=6.0)
     compensable = False
     confused_with = (
         ("load_droop", "move fast and slowly: a droop is there at rest, and at any speed"),
         ("servo_offset", "move slowly: an offset stays"),
     )
+
+    @classmethod
+    def changed(cls, number: Any, values: Mapping[str, Any]) -> Any:
+        return np.array(up_and_down(number[0], np.asarray(values.get("excess", 0.0), dtype=float)))
 
     def adjust(self, core: Core, now: Now) -> None:
         core.uneven = core.uneven + self["excess"]

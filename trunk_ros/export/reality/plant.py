@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from trunk_ros.arm.arm import SERVO_OF_EACH, STEP
-from trunk_ros.arm_model import AnyModel, ArmModel
+from trunk_ros.arm_model import ArmModel
 from trunk_ros.compiled import Array, compiled
 from trunk_ros.effects import effect
 from trunk_ros.effects.servo.loop import CLOSE, rise
@@ -44,9 +44,12 @@ class Plant:
             raise ModelError("wire.coupling: a plant of motors that move several joints is not there yet")
         if environments < 1:
             raise ModelError(f"{environments} environments: give 1 or more")
-        own = with_its_loops(model)
+        # No command that is shaped beforehand has a loop at its top speed go as one with other numbers.
+        own = model.at_end().with_numbers(SERVO_OF_EACH)
         self._tops = own.top_speeds
-        beside = {name: values for name, values in own.effects.items() if name != "uneven_speed"}
+        beside = {
+            name: values for name, values in own.effects.items() if effect(name).changes != "top_speeds"
+        }
         self.model, self.joints = missing(replace(own, effects=beside)).model, model.arm.joints
         self._shape = environments, len(self.joints)
         self.reset()
@@ -110,16 +113,6 @@ class Plant:
             wanted = f"{self._shape[0]} environments of {', '.join(self.joints)}"
             raise ModelError(f"setpoints have the shape {array.shape}: they must be for {wanted}")
         return np.ascontiguousarray(array.reshape(self._shape))
-
-
-def with_its_loops(model: AnyModel) -> AnyModel:
-    """The model as it was at the end, its servos' numbers those that were found: no command that is shaped
-    beforehand has a loop at its top speed go as one with other numbers.
-    """
-    model = model.at_end()
-    numbers = {name: model.number(name) for name in SERVO_OF_EACH}
-    others = {n: v for n, v in model.effects.items() if effect(n).changes not in SERVO_OF_EACH}
-    return replace(model, arm=replace(model.arm, **numbers), effects=others)
 
 
 @compiled

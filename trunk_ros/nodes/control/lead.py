@@ -27,7 +27,7 @@ class Lead:
         at: Array,
         gain: Array,
         tau_v: float | Array,
-        tops: tuple[Array, Array],
+        tops: Array,
         fed: float | Array = 0.0,
         ahead: float = 0.0,
     ):
@@ -42,11 +42,11 @@ class Lead:
         self,
         gain: Array,
         tau_v: float | Array,
-        tops: tuple[Array, Array],
+        tops: Array,
         fed: float | Array = 0.0,
         ahead: float = 0.0,
     ) -> None:
-        """``gain`` (joints,) 1/s of the position loop, ``tau_v`` s, the ``tops`` (joints,) rad/s upwards and
+        """``gain`` (joints,) 1/s of the position loop, ``tau_v`` s, ``tops`` (2, joints) rad/s upwards and
         downwards, the share of the setpoints' speed that the loop is ``fed``, and how fast it runs, ``ahead``
         as in `servo_loop`.
         """
