@@ -218,7 +218,7 @@ def test_a_missing_file_and_an_unknown_name_are_told_apart(tmp_path: Path) -> No
         load_model(tmp_path / "gone.yaml")
     with pytest.raises(ModelError, match=r"no model 'trnk': give a file or one of direct, .*trunk"):
         load_model("trnk")
-    with pytest.raises(ModelError, match="Is a directory"):
+    with pytest.raises(ModelError, match=r"is a folder: give the file, such as .*model\.yaml"):
         load_model(tmp_path)
 
 

@@ -47,9 +47,12 @@ def write_parameters(flat: Mapping[str, Any], path: Path) -> None:
 def model_path(name: str | Path) -> Path:
     """The file of a model, or of a name in config/. Raises ModelError for an unknown name."""
     path = Path(name)
-    if os.path.isfile(path) or len(path.parts) != 1 or path.suffix == ".yaml":  # False, whatever the name
+    alone = len(path.parts) == 1 and path.suffix != ".yaml"
+    if os.path.isfile(path) or not (alone or os.path.isdir(path)):  # False, whatever the name
         return path
     known = {file.stem: file for file in sorted((share_folder() / "config").glob("*.yaml"))}
+    if str(name) not in known and os.path.isdir(path):
+        raise ModelError(f"{shortened(str(name))} is a folder: give the file, such as {path / 'model.yaml'}")
     if str(name) not in known:
         raise ModelError(f"no model {shortened(str(name))}: give a file or one of {', '.join(known)}")
     return known[str(name)]

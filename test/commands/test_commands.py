@@ -247,6 +247,7 @@ def test_check_refuses_what_is_wrong_naming_the_parameter(
     assert "servo.kpp" in refused(capsys, "check", str(tmp_path / "arm.yaml"))
     (tmp_path / "other.yaml").write_text("a: 1\n")
     assert "neither a model" in refused(capsys, "check", str(tmp_path / "other.yaml"))
+    assert "lists its columns" in refused(capsys, "check", str(tmp_path / "run1.csv"))
 
 
 def test_effects_lists_the_library_and_tells_all_of_one(capsys: pytest.CaptureFixture[str]) -> None:

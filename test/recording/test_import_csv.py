@@ -173,7 +173,7 @@ def test_a_table_with_another_delimiter_says_how_the_mapping_gives_it(tmp_path):
 @pytest.mark.parametrize(
     ("text", "said"),
     [
-        ("", "has no column"),
+        ("", "is empty: a table begins with"),
         ("t,x\n", "has a header and no rows"),
         ("t,x\n0,1\n1,two\n", "line 3: 'two' is not a number"),
         ("t,x\n0,1\n1\n2,3\n", "line 3 has fewer fields"),

@@ -56,6 +56,7 @@ def kind_of(name: str) -> str:
 
     Raises ArgumentError where it is none of them.
     """
+    from trunk_ros.commands.info import TABLES
     from trunk_ros.errors import ArgumentError
     from trunk_ros.recording import plain_yaml
     from trunk_ros.share import config_names
@@ -63,6 +64,8 @@ def kind_of(name: str) -> str:
     path = Path(name)
     if path.is_dir() or path.suffix in (".mcap", ".db3", ".bag"):
         raise ArgumentError(f"{path} is a recording, if anything: `trunk_ros info {path}` says what it holds")
+    if path.suffix.lower() in TABLES:
+        raise ArgumentError(f"{path} is a table, if anything: `trunk_ros info {path}` lists its columns")
     if not path.is_file():
         return "mapping" if f"import/{name}" in config_names("import") else "model"
     try:

@@ -25,7 +25,7 @@ def listed_in(path: str) -> Iterator[tuple[str, float, str]]:
     try:
         content = system.cat_file(place)
     except OSError as error:
-        raise ArgumentError(f"{path}: cannot be read ({error})") from None
+        raise ArgumentError(f"{path}: cannot be read ({error.strerror or error})") from None
     rows = _csv(content, path) if path.lower().endswith(".csv") else _parquet(content, path)
     folder = path.rpartition("/")[0] if is_url(path) else str(PurePosixPath(place).parent)
     for number, row in enumerate(rows, start=2):

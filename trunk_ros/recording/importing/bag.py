@@ -34,8 +34,8 @@ def read_bag(path: str | Path, mapping: Mapping | str | Path) -> Recording:
     mapping = mapping if isinstance(mapping, Mapping) else load_mapping(mapping)
     if not mapping.of_bag:
         raise RecordingError(
-            f"{path}: is a bag, and has its own times: leave out `time` and `rate_hz`, "
-            "and name columns /topic.field"
+            f"{path}: is no table but a bag, if anything, which has its own times: leave out `time` and "
+            "`rate_hz`, and name columns /topic.field"
         )
     read = read_columns(path, mapping.columns)
     pieces = {key: positioned(_pieces(path, key, mapping, read)) for key in mapping.topics}

@@ -46,6 +46,8 @@ def read_table(
 def _check(path: Path, table: Rows, columns: tuple[str, ...]) -> None:
     header, numbers = table.names, ", ".join(table.names)[:60]
     missing = [name for name in columns if name not in header]
+    if not any(header):
+        raise RecordingError(f"{path}: is empty: a table begins with the names of its columns")
     other = _otherwise(path) if missing and len(header) == 1 else table
     if are_numbers(other.names):
         raise RecordingError(
