@@ -1,5 +1,4 @@
-# make setup|demo|test|fuzz|bench|proof: each sets up what it needs first. `make proof FULL=1` and
-# `make fuzz FULL=1` are the long ones.
+# `make help` lists the targets; each sets up what it needs first.
 VENV := .venv
 PYTHON := $(VENV)/bin/python
 STAMP := $(VENV)/complete
@@ -18,28 +17,31 @@ export RMW_IMPLEMENTATION := rmw_fastrtps_cpp
 export ROS_AUTOMATIC_DISCOVERY_RANGE := LOCALHOST
 export FULL TRUNK_PYTHON
 
-.PHONY: setup demo test pytest lint graph rest coverage fuzz bench proof docs lock clean
+.PHONY: help setup demo test pytest lint graph rest coverage fuzz bench proof docs lock clean
 
-setup: $(STAMP)
+help:
+	@sed -n 's/^\([a-z]*\):.*## /make \1\t/p' $(MAKEFILE_LIST) | expand -t 16
+
+setup: $(STAMP)  ## .venv with all packages at the versions of the lock
 
 $(STAMP): requirements/lock.txt setup.py setup.cfg package.xml tools/make_venv
 	@tools/make_venv
 	@touch $@
 
 # SIMULATOR=mujoco: a user's own MuJoCo arm in the place of ours.
-demo: setup
+demo: setup  ## drives an arm with hidden physics, records it, diagnoses it (SIMULATOR=mujoco: a MuJoCo arm)
 	$(PYTHON) -m $(if $(filter mujoco,$(SIMULATOR)),test.concealed.simulators.demo,test.concealed.demo)
 
 # Tests of the graph wait for processes most of the time: the rest goes on meanwhile, and yields to them; only
 # so much that other work on the machine does not stop it.
 YIELDING := nice -n 3
-test: setup
+test: setup  ## lint, types, tests
 	@+$(MAKE) --no-print-directory --jobs 3 lint graph rest
 
 pytest: setup
 	@+$(MAKE) --no-print-directory --jobs 2 graph rest
 
-lint: setup
+lint: setup  ## ruff and mypy
 	$(YIELDING) $(PYTHON) -m ruff check .
 	$(YIELDING) $(PYTHON) -m mypy
 
@@ -61,7 +63,7 @@ rest: $(COMPILED)
 	$(YIELDING) $(PYTHON) $(PYTEST) -n auto --maxprocesses 4 $(GRAPH:%=--ignore %)
 
 # Lines and branches that the tests without nodes run: coverage.xml, and htmlcov/ to look at.
-coverage: setup
+coverage: setup  ## lines and branches that the tests run; htmlcov/index.html
 	$(PYTHON) -m coverage run -m pytest -q --timeout 300 --ignore test/nodes --ignore test/packaging
 	$(PYTHON) -m coverage combine -q
 	$(PYTHON) -m coverage xml -q
@@ -69,29 +71,29 @@ coverage: setup
 	$(PYTHON) -m coverage report --skip-covered --sort=cover
 
 # A bounded part, with other means, is among the tests: test/recording/test_fuzz.py and test/fuzz.
-fuzz: setup
+fuzz: setup  ## hostile files (FULL=1: for hours)
 	$(PYTHON) -m test.fuzz
 
 # RELEASE=1 keeps the figures in test/bench/releases/, for later versions to be compared with.
-bench: setup
+bench: setup  ## speed and memory, compared with the last release (RELEASE=1: writes one)
 	$(PYTHON) -m test.bench --output bench.json --compare last $(if $(RELEASE),--release)
 
 # effects.md and its pictures, from the effects themselves.
-docs: setup
+docs: setup  ## the page of effects, from the code
 	$(PYTHON) docs/make_effects.py
 
-proof: setup
+proof: setup  ## the diagnosis on concealed arms; takes long (FULL=1: hours)
 	$(PYTHON) -m test.concealed.proof
 	$(PYTHON) -m test.space_proof $(if $(FULL),,--seconds 100)
 
 # Pins what setup.py and requirements/dev.in ask for. One lock for every CPython: it is made for the oldest.
-lock: setup
+lock: setup  ## pins the requirements anew
 	$(PYTHON) -m pip install --quiet uv
 	$(PYTHON) -m uv pip compile setup.py requirements/dev.in --extra ros --extra fleet --extra mujoco --extra tables --extra show --upgrade --quiet --no-header \
 		--no-emit-index-url --no-emit-find-links --generate-hashes \
 		--python-version 3.11 --python-platform x86_64-manylinux_2_28 --output-file requirements/lock.txt
 
 # proof/ and fuzz/ stay: they take hours.
-clean:
+clean:  ## removes .venv and what was made, but for proof/ and fuzz/
 	rm -rf $(VENV) build dist install log *.egg-info .mypy_cache .pytest_cache .ruff_cache .hypothesis demo-output bench.json .coverage* coverage.xml htmlcov
 	find . -name __pycache__ -type d -prune -exec rm -rf {} +
