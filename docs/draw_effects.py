@@ -100,7 +100,7 @@ def standing(scene: Scene) -> Array:
 
 def height(scene: Scene) -> Array:
     """(n,) m of the tip above the base."""
-    return load_model("trunk").arm.forward_kinematics(scene.theta)[:, 1]
+    return load_model("trunk").arm.tip(scene.theta)[:, 2]
 
 
 def travel(scene: Scene) -> Array:

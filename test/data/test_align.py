@@ -239,11 +239,8 @@ def test_setpoints_that_may_have_gone_anywhere_in_many_gaps_are_the_reason_that_
 
 def with_tip(recording: Recording) -> Recording:
     joints = recording.series["joint_states"]
-    y, z, roll = TRUNK.arm.forward_kinematics(joints.position).T
-    nothing = np.zeros_like(roll)
-    position = np.column_stack([nothing, y, z])
-    orientation = np.column_stack([np.sin(roll / 2), nothing, nothing, np.cos(roll / 2)])
-    return replace(recording, tip=PoseSeries(joints.stamp, position, orientation))
+    tip = TRUNK.arm.tip(joints.position)
+    return replace(recording, tip=PoseSeries(joints.stamp, tip[:, :3], tip[:, 3:]))
 
 
 def test_the_tip_is_not_compared_with_joint_angles_that_were_not_recorded() -> None:

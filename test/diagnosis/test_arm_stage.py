@@ -162,7 +162,7 @@ def test_a_tilt_that_only_the_model_has_is_found_and_goes() -> None:
 def test_the_new_model_has_the_tilt_of_the_recording_and_not_that_of_the_old_one() -> None:
     recording = recorded(seconds=15.0)
     joints = recording.series["joint_states"]
-    tip = TRUNK.arm.forward_kinematics(joints.position)
+    tip = in_plane(TRUNK.arm.tip(joints.position))
     tip += NOISE * np.random.default_rng(1).normal(size=tip.shape)
     result = diagnose([with_pose(recording, joints.stamp, tip)], model=replace(TRUNK, effects=TILT))
     assert [f.effect for f in result.findings] == ["base_tilt"]

@@ -254,11 +254,9 @@ def test_the_tip_is_scored_where_it_was_recorded() -> None:
 
     arm, model = recorded({}), load_model("trunk")
     joints = arm.series["joint_states"]
-    tip = model.arm.forward_kinematics(joints.position)
-    place = np.column_stack([0.0 * tip[:, 0], tip[:, 0] + 2e-3, tip[:, 1]])
-    turn = np.zeros((len(tip), 4))
-    turn[:, 0], turn[:, 3] = np.sin(tip[:, 2] / 2), np.cos(tip[:, 2] / 2)
-    seen = replace(arm, tip=PoseSeries(joints.stamp, place, turn))
+    tip = model.arm.tip(joints.position)
+    tip[:, 1] += 2e-3
+    seen = replace(arm, tip=PoseSeries(joints.stamp, tip[:, :3], tip[:, 3:]))
     rows = {row.joint: row for row in score("run", [of_model(seen, "trunk", model)]) if row.stage == "arm"}
     assert rows["y"].rms_after == pytest.approx(2e-3, rel=1e-3)
     assert (rows["y"].unit, rows["roll"].unit) == ("m", "rad")

@@ -135,10 +135,6 @@ class Arm:
         """Tip (n, 7) of joint angles (n, joints) in the base link: x, y, z [m], quaternion x, y, z, w."""
         return self.body.poses(theta)
 
-    def forward_kinematics(self, theta: Array) -> Array:
-        """Tip [y m, z m, roll rad] (n, 3) of joint angles (n, joints) of a planar chain."""
-        return np.column_stack([self.tip(theta)[:, 1:3], np.sum(theta, axis=1)])
-
     def load(self, theta: Array) -> Array:
         """Moment of the weight beyond each joint about it [N m], (n, joints), payload included.
 
