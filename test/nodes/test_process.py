@@ -46,7 +46,7 @@ def test_help_says_what_it_does_and_takes(command, name):
 @needs_ros
 def test_what_moves_the_arm_starts_without_scipy():
     """Importing it takes as long as all else."""
-    modules = ["bringup", "bus", "tip_error", *NODES]
+    modules = ["bringup", "bus", "replay", "tip_error", *NODES]
     look = "\n".join(f"import trunk_ros.nodes.{name}" for name in modules)
     look += "\nimport sys\nprint({'scipy.interpolate', 'scipy.optimize', 'scipy.ndimage'} & {*sys.modules})"
     done = subprocess.run([sys.executable, "-c", look], cwd=ROOT, capture_output=True, text=True)

@@ -7,13 +7,13 @@ import yaml
 from test.recording.bags import NOETIC, START_NS, STORE, joint_state, motion, only_file, write_bag, write_ros1
 from trunk_ros.commands.import_table import main
 from trunk_ros.errors import RecordingError
-from trunk_ros.recording.child_process import brought_together
 from trunk_ros.recording.importing.bag import read_bag
 from trunk_ros.recording.importing.csv import read_csv
 from trunk_ros.recording.importing.mapping import load_mapping
 from trunk_ros.recording.quality import quality
 from trunk_ros.recording.read import read_recording
 from trunk_ros.recording.recover import recover
+from trunk_ros.recording.staggered import brought_together
 
 COUNT = 30
 PERIOD = 10_000_000

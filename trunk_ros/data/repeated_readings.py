@@ -10,11 +10,11 @@ from trunk_ros.compiled import Array
 from trunk_ros.data.merged_readings import between_messages
 from trunk_ros.guards import TINY
 from trunk_ros.levels import CLEARLY, ENOUGH, FEWEST, HALF, NEARLY, OUTLIERS, PART, THREEFOLD
-from trunk_ros.recording.child_process import at_stamps
 from trunk_ros.recording.recording import JointSeries
 from trunk_ros.recording.signal.encoder import EVEN
 from trunk_ros.recording.signal.fill import hold
 from trunk_ros.recording.signal.resample import SAME, resample
+from trunk_ros.recording.staggered import at_stamps
 
 
 def holding(stamp: Array, values: Array) -> float:

@@ -12,7 +12,6 @@ from typing import Any
 from trunk_ros.errors import ArgumentError, TrunkError
 from trunk_ros.nodes.bags.replay_arguments import parser
 from trunk_ros.nodes.bags.source import BagSource, Topic
-from trunk_ros.nodes.bags.through import through
 from trunk_ros.nodes.graph.base import TrunkNode
 from trunk_ros.nodes.graph.elapsed import SECOND
 from trunk_ros.nodes.graph.interfaces import message_class
@@ -213,6 +212,8 @@ def compare(given: argparse.Namespace, ros: list[str]) -> int:
     """The node and what was recorded of it, side by side."""
     start_ros(ros)
     try:
+        from trunk_ros.nodes.bags.through import through  # it reads whole recordings, with scipy
+
         return through(given.bag, given.through, given.model, given.tolerance, given.namespace)
     finally:
         rclpy.try_shutdown()

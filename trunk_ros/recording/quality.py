@@ -4,9 +4,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from trunk_ros.recording.child_process import apart
 from trunk_ros.recording.recording import Counts, Floats, JointSeries, Recording
 from trunk_ros.recording.signal.encoder import MEDIAN_TO_STD
+from trunk_ros.recording.staggered import apart
 from trunk_ros.recording.topics import TIP, TOPICS
 
 _GAP = 2.5  # periods

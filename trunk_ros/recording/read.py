@@ -7,7 +7,6 @@ from pathlib import Path
 from trunk_ros.errors import RecordingError, one_line
 from trunk_ros.recording.allowance import Allowance
 from trunk_ros.recording.bag.bag import read_blocks
-from trunk_ros.recording.child_process import HELD, brought_together
 from trunk_ros.recording.messages import holes
 from trunk_ros.recording.messages.assemble import (
     all_times,
@@ -25,6 +24,7 @@ from trunk_ros.recording.messages.text import last_text
 from trunk_ros.recording.namespace import choose
 from trunk_ros.recording.recording import Counts, JointSeries, PoseSeries, Recording
 from trunk_ros.recording.remarks import loss_remarks, recorder_remarks, series_remarks
+from trunk_ros.recording.staggered import HELD, brought_together
 from trunk_ros.recording.time_range import part_of
 from trunk_ros.recording.topics import (
     DESCRIPTION_TOPIC,

@@ -11,12 +11,12 @@ from mcap.writer import Writer
 from trunk_ros.errors import ArgumentError
 from trunk_ros.recording import plain_yaml
 from trunk_ros.recording.bag.metadata import BagFile, Topic, information, write_metadata
-from trunk_ros.recording.child_process import apart
 from trunk_ros.recording.messages.block import Bytes, Whole
 from trunk_ros.recording.messages.encode import encode_joints, encode_poses
 from trunk_ros.recording.messages.message_types import RELIABLE, definition, qos_text
 from trunk_ros.recording.output import BAG_FILES, new_folder
 from trunk_ros.recording.recording import Floats, Recording
+from trunk_ros.recording.staggered import apart
 from trunk_ros.recording.topics import TIP, TIP_TOPIC, TOPICS, expected_type
 
 _LAST_NS = (2**31) * 10**9
