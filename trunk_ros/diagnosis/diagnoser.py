@@ -236,23 +236,7 @@ class Diagnoser:
         give_back()
         if stage.name == "wire":
             self.left = {stage.joints[c]: e for c, e in errors.items()}
-        self.result.stages[stage.name] = {
-            "compared": True,
-            "joints": {
-                stage.joints[c]: {
-                    "unit": stage.unit(c),
-                    "rmse_before": e.before,
-                    "rmse_after": e.after,
-                    "noise_floor": e.noise_floor,
-                    "resolution": context.steps(c),
-                    "rmse_before_std": e.before_std,
-                    "rmse_after_std": e.after_std,
-                }
-                for c, e in errors.items()
-            },
-            "silent": [stage.joints[c] for c in range(len(stage.joints)) if c not in context.columns],
-            "search": {"joint_steps": context.work.done, "ended_early": done.early},
-        }
+        self.result.stages[stage.name] = done.told()
         new = all_findings(state, found, std, MODEL if self.against is None else SIMULATION)
         effects, said = state.hypothesis.model_effects(len(stage.joints)), names_said(state.hypothesis, new)
         had = {name: v for name, v in self.model.effects.items() if effect(name).stage == stage.name}

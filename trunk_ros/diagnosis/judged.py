@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.discrepancy.from_the_start import from_the_start
@@ -41,6 +42,27 @@ class Judged:
     def context(self) -> Context:
         """What it is judged in."""
         return self.state.context
+
+    def told(self) -> dict[str, Any]:
+        """The stage in ``diagnosis.json``."""
+        context, joints = self.context, self.context.stage.joints
+        return {
+            "compared": True,
+            "joints": {joints[c]: self._told_of(c, error) for c, error in self.errors.items()},
+            "silent": [joint for c, joint in enumerate(joints) if c not in context.columns],
+            "search": {"joint_steps": context.work.done, "ended_early": self.early},
+        }
+
+    def _told_of(self, column: int, error: Error) -> dict[str, Any]:
+        return {
+            "unit": self.context.stage.unit(column),
+            "rmse_before": error.before,
+            "rmse_after": error.after,
+            "noise_floor": error.noise_floor,
+            "resolution": self.context.steps(column),
+            "rmse_before_std": error.before_std,
+            "rmse_after_std": error.after_std,
+        }
 
 
 def judged(stage: Stage, settle: float, say: Callable[[str], None]) -> Judged | None:
