@@ -250,7 +250,7 @@ values = st.recursive(
 )
 
 
-@settings(max_examples=300, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(max_examples=100, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(flat=st.dictionaries(names, values, max_size=6))
 def test_any_values_give_a_model_or_one_line(flat: dict[str, Any], tmp_path: Path) -> None:
     path = write(tmp_path / "model.yaml", flat)

@@ -7,7 +7,7 @@ import pytest
 
 from test.effects.example import arm_of, motion, stamps
 from trunk_ros.chain import Chain
-from trunk_ros.compiled import Array
+from trunk_ros.compiled import Array, compiled
 from trunk_ros.effects.now import Now
 from trunk_ros.effects.wire.held_links import HeldLinks, slide
 from trunk_ros.effects.wire.play import SharpPlay
@@ -50,13 +50,21 @@ def stepped(soft: Array, slack: float = np.inf) -> Array:
             pull = hold * (stretch - np.sign(stretch) * np.maximum(np.abs(stretch) - soft * slack, 0.0) / 2)
             full = mass + np.diag(h * damp + h * h * firm)
             push = mass @ speed + h * (old + (load - old) * share - pull + damp * ramp)
-            for _ in range(60):
-                for j in range(3):
-                    rest = push[j] - full[j] @ speed + full[j, j] * speed[j]
-                    speed[j] = np.sign(rest) * max(abs(rest) - h * friction[j], 0.0) / full[j, j]
+            rub(full, push, h * friction, speed)
             y = y + h * speed
         out.append(y.copy())
     return np.array(out)
+
+
+@compiled
+def rub(full: Array, push: Array, held: Array, speed: Array) -> None:
+    """Gauss and Seidel's rounds of full v = push - held sign(v), from ``speed`` (3,) on, in place."""
+    for _ in range(60):
+        for j in range(3):
+            rest = push[j]
+            for k in range(3):
+                rest -= full[j, k] * speed[k] if k != j else 0.0
+            speed[j] = np.sign(rest) * max(abs(rest) - held[j], 0.0) / full[j, j]
 
 
 def bent(soft: Array, slack: float, load: Array) -> Array:

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from test.diagnosis.arms import diagnose, on, recorded
+from test.diagnosis.arms import diagnose, of_the_wires, on, recorded
 from trunk_ros.effects import effect
 from trunk_ros.effects.effect import Motion
 from trunk_ros.effects.wire.friction_wear import FrictionWear
@@ -47,7 +47,7 @@ def test_what_goes_with_travel_is_named_kept_in_the_file_and_predicts_another_mo
 ) -> None:
     """The same joint slides on by another way: what counts is the way, not the time."""
     hidden = {name: {"form": "travel", "rate": on(2, rate), "speed": np.full(5, SPEED)}}
-    result = diagnose([recorded(hidden, seconds=60.0, noise=5e-5)])
+    result = diagnose([of_the_wires(recorded(hidden, seconds=60.0, noise=5e-5))])
     (found,) = result.findings
     assert (found.effect, found.joints) == (name, ["joint_2"])
     assert effect(name).title("travel")[1:] in found.statement
@@ -65,7 +65,7 @@ def test_what_goes_with_travel_is_named_kept_in_the_file_and_predicts_another_mo
 def test_a_drift_that_the_motion_heats_is_named_and_predicts_another_motion() -> None:
     hidden = {"thermal_drift": {"form": "heated", "amplitude": on(2, 2e-3), "time_constant": 12.0 * EVERY,
                                 "speed": SPEED * EVERY}}  # fmt: skip
-    result = diagnose([recorded(hidden, seconds=60.0, noise=5e-5)])
+    result = diagnose([of_the_wires(recorded(hidden, seconds=60.0, noise=5e-5))])
     (found,) = result.findings
     assert (found.effect, found.joints) == ("thermal_drift", ["joint_2"])
     assert effect("thermal_drift").title("heated")[1:] in found.statement
