@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from test.diagnosis.arms import diagnose
 from trunk_ros.compiled import Array
 from trunk_ros.data.noise import noise_of
 from trunk_ros.data.revisited import between_visits, neighbours
-from trunk_ros.diagnosis import diagnose
 from trunk_ros.recording.recording import Recording
 
 NOISE = 5e-4  # rad

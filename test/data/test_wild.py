@@ -8,13 +8,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from test.diagnosis.arms import on, recorded, reshaped
+from test.diagnosis.arms import diagnose, on, recorded, reshaped
 from test.recording.bombs import cost_of
 from trunk_ros.data.align import wire_span
 from trunk_ros.data.excerpt import excerpt, recorded_time
 from trunk_ros.data.sensor_faults import wild, without_wild
 from trunk_ros.data.spectrum import spectrum
-from trunk_ros.diagnosis import diagnose
 from trunk_ros.effects.periods import periods
 from trunk_ros.model import load_model
 from trunk_ros.recording.read import read_parts, read_recording
