@@ -54,7 +54,7 @@ def with_its_setpoints(model: Model, recordings: Sequence[Recording], told: Sequ
     others = _told(sampled, recordings)
     if all(is_explained(loop, _but_for_a_lag(loop, numbers)) for loop, numbers in others):
         return sampled
-    nearer = CLEARLY * _in_all(others) < _in_all(told)
+    nearer = _clearly_nearer(others, told)
     return sampled if nearer and _explain_as_much(_left(others, quickly=True), told) else model
 
 
@@ -78,11 +78,14 @@ def with_its_step(model: Model, recordings: Sequence[Recording], told: Sequence[
     fitted, rest = _fitted(quick, quickly=True)
     alike = [(loop, numbers) for (loop, _), (_, numbers) in zip(told, fitted, strict=True)]
     again = STEP * (1.0 - _nearer(alike, fitted))
-    rests = {0.0: rest, again: _left(stepped(again), quickly=True)}
+    rests = {STEP: left, 0.0: rest}
+    if again not in rests:
+        rests[again] = _left(stepped(again), quickly=True)
     first, second = (_times(rests[step], left) for step in (0.0, again))
     if 0.0 < second < first:  # what steps leave is in proportion to how far off they are
         ends = min(again * first / (first - second), STEP)
-        rests[ends] = _left(stepped(ends), quickly=True)
+        if ends not in rests:
+            rests[ends] = _left(stepped(ends), quickly=True)
     times, step = min((_times(rest, left), step) for step, rest in rests.items())
     nearer = CLEARLY * times < 1.0
     return _in_steps(model, step) if nearer and _explain_as_much(rests[step], told) else model
@@ -169,10 +172,24 @@ def _ways(loop: Loop, numbers: Array, others: Sequence[Array]) -> Array:
     return np.asarray(np.linalg.lstsq(ways, -base, rcond=None)[0])
 
 
-def _in_all(told: Sequence[Told]) -> float:
-    """What is ``_left`` of all joints, rms [rad]."""
-    noise = [loop.context.noise[loop.column].std for loop, _ in told]
-    return float(np.linalg.norm(_left(told) * noise))
+def _clearly_nearer(others: Sequence[Told], told: Sequence[Told]) -> bool:
+    """Whether what is ``_left`` of all joints, rms [rad], is clearly less with ``others``; not where it is
+    not with the first of them already, however near the rest of them are.
+    """
+    most, left = (
+        _in_rad([_but_for_a_lag(*one) / one[0].context.count(one[0].column) for one in told], told),
+        0.0,
+    )
+    for one in others:
+        left += _in_rad(_left([one]) ** 2, [one])
+        if CLEARLY**2 * left >= most:
+            return False
+    return CLEARLY**2 * left < _in_rad(_left(told) ** 2, told)
+
+
+def _in_rad(squares: Sequence[float] | Array, told: Sequence[Told]) -> float:
+    """Mean squares over noise (joints,) of all of them, rad^2."""
+    return float(np.sum(squares * np.array([loop.context.noise[loop.column].std ** 2 for loop, _ in told])))
 
 
 def _left(told: Sequence[Told], quickly: bool = False, speeding: bool = False) -> Array:
