@@ -117,6 +117,8 @@ class Effect(ABC):
         self.words = texts or {}
         self.acts: tuple[tuple[Array, Array], ...] = ()
         """For stamps (n,) s that were asked for last, how much of it acts (n, columns)."""
+        self.lasts: bool | None = None
+        """Whether it acts all the time, once somebody asked."""
 
     def __getitem__(self, name: str) -> Array:
         return self.values[name]

@@ -27,7 +27,9 @@ def shown_between(stamp: Array) -> tuple[float, float]:
 
 def lasts(e: Effect) -> bool:
     """Whether an effect acts all the time."""
-    return NULLS.keys().isdisjoint(e.values.keys())  # of two views the shorter one is gone through
+    if e.lasts is None:  # asked at each prediction
+        e.lasts = NULLS.keys().isdisjoint(e.values.keys())
+    return e.lasts
 
 
 def acting(e: Effect, now: Now) -> Array:
