@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 import pytest
 
@@ -9,6 +11,8 @@ from test.diagnosis.arms import diagnose
 from test.diagnosis.test_nominal_servo import JOINTS, NOISE, PERIOD, PLAIN, _asked, _stated, recorded_servos
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis import Diagnosis
+from trunk_ros.diagnosis.servos import described_servo
+from trunk_ros.diagnosis.servos.described_servo import Told
 from trunk_ros.errors import ModelError
 from trunk_ros.model import load_model, save_model
 from trunk_ros.recording.recording import JointSeries, Recording
@@ -78,3 +82,18 @@ def test_the_references_own_steps_stay() -> None:
 def test_a_step_that_no_servo_runs_in_is_refused() -> None:
     with pytest.raises(ModelError, match=r"servo\.step"):
         _stated(step=0.5)
+
+
+def test_where_the_first_joints_leave_too_much_the_others_are_not_fitted(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Nor what is told: it leaves at most what it leaves as it is."""
+    told, asked = described_servo._told(_stated(), [faster(1e-3)]), []
+
+    def left(some: Sequence[Told], *_: object) -> Array:
+        asked.append(len(some))
+        return np.full(len(some), 1e6 if len(asked) == 2 else 0.0)
+
+    monkeypatch.setattr(described_servo, "_left", left)
+    assert not described_servo._clearly_nearer(told, told)
+    assert asked == [1, 1]
