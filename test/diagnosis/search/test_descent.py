@@ -27,6 +27,7 @@ from trunk_ros.diagnosis.search.descent import (
 )
 from trunk_ros.diagnosis.search.fit import Fit, costed, refit
 from trunk_ros.diagnosis.search.greedy import search
+from trunk_ros.diagnosis.search.moves import add
 
 LITTLE, HALF, ALL = 1e-4, 8e-4, 1.5e-3  # rad of the half-width of joint 3, which is 1.5e-3
 LESS, MORE = 3.2e-4, 4.5e-4  # by which between a fifth and a half of what LITTLE leaves is explained
@@ -334,3 +335,16 @@ def test_the_best_that_was_tried_is_made_where_the_work_ends_before_its_turn() -
     assert with_width(best, LITTLE).total > (1.0 - COARSE[0]) * best.total  # less than was asked for
     assert not tried
     assert "backlash" in done.hypothesis
+
+
+def test_what_a_new_effect_hides_is_put_right_and_all_else_left_to_the_search(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    now, steps = fitted("backlash"), list[Fit]()
+    worse = Fit(now.hypothesis, {c: 2.0 * cost for c, cost in now.cost.items()}, now.context)
+    monkeypatch.setattr(add, "_hides", lambda name, fit: not steps)
+    monkeypatch.setattr(add, "first_that_pays", lambda fit, *_: steps.append(fit) or (add.ADD, fit))
+    assert add.shown_again(worse, Desk(), now, "backlash") is now
+    assert steps == [now]
+    assert add.shown_again(now, Desk(), worse, "backlash") is worse
+    assert steps == [now]

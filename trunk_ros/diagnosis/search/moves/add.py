@@ -18,7 +18,7 @@ from trunk_ros.diagnosis.search.candidates import (
     open_kinds,
 )
 from trunk_ros.diagnosis.search.credible import hidden, unshown
-from trunk_ros.diagnosis.search.descent import Desk, Group, Move, descend_with, of
+from trunk_ros.diagnosis.search.descent import Desk, Group, Move, descend_with, first_that_pays, of
 from trunk_ros.diagnosis.search.fit import Fit, change, refit, refit_column
 from trunk_ros.diagnosis.search.moves.drop import DROP
 from trunk_ros.diagnosis.search.moves.event import EVENT
@@ -233,12 +233,20 @@ def law_of_all(best: Fit, desk: Desk) -> float:
 
 def shown_again(best: Fit, desk: Desk, trial: Fit, name: str) -> Fit:
     """A trial that is better but for what the motion cannot show any more beside the new effect, such as a
-    link that would no longer ring: with what looks like that in its place, or without it.
+    link that would no longer ring: with what looks like that in its place, or without it, until all is shown.
     """
-    others = [term for term in trial.hypothesis.values() if term.effect != name]
-    if priced(trial) < score(best) and any(hidden(trial.context, term) for term in others):
-        return descend_with(trial, (SWAP_ALL, SWAP_MANY, DROP), desk)
+    if priced(trial) >= score(best):
+        return trial
+    moves, desk = (SWAP_ALL, SWAP_MANY, DROP), Desk(share=desk.inner_share, vain=desk.vain)
+    while _hides(name, trial) and (better := first_that_pays(trial, moves, desk)) is not None:
+        trial = better[1]
+        desk.stands_on(trial)
     return trial
+
+
+def _hides(name: str, now: Fit) -> bool:
+    """Whether the motion cannot show something else beside an effect."""
+    return any(hidden(now.context, term) for other, term in now.hypothesis.items() if other != name)
 
 
 def shared_by_most(best: Fit, trial: Fit, name: str) -> bool:
