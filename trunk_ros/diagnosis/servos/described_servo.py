@@ -176,10 +176,8 @@ def _clearly_nearer(others: Sequence[Told], told: Sequence[Told]) -> bool:
     """Whether what is ``_left`` of all joints, rms [rad], is clearly less with ``others``; not where it is
     not with the first of them already, however near the rest of them are.
     """
-    most, left = (
-        _in_rad([_but_for_a_lag(*one) / one[0].context.count(one[0].column) for one in told], told),
-        0.0,
-    )
+    lagging = [_but_for_a_lag(loop, numbers) / loop.context.count(loop.column) for loop, numbers in told]
+    most, left = _in_rad(lagging, told), 0.0
     for one in others:
         left += _in_rad(_left([one]) ** 2, [one])
         if CLEARLY**2 * left >= most:
