@@ -17,10 +17,10 @@ from trunk_ros.effects.servo.asked import EDGE, beyond
 from trunk_ros.effects.servo.loop import servo_loop, servo_loops
 from trunk_ros.model import Model, load_model
 from trunk_ros.nodes.bus import SimulatedBus
-from trunk_ros.stage import speeds
+from trunk_ros.servo_run import speeds
 
 STEP = 0.002  # s
-OVER_TIME = (2, 3, 4, 5, 6, 9, 10, 13)  # arguments of a loop that may change
+OVER_TIME = (2, 3, 4, 5, 6, 9, 10, 13, 14)  # arguments of a loop that may change
 
 
 def reference(setpoint: Array, rows: int, kp: float = 20.0, tau: float = 0.02, v_max: float = 1.5) -> Array:
@@ -275,8 +275,9 @@ def test_a_late_jump_begins_to_be_followed_when_it_is_there(late: float, columns
     assert np.abs(got - np.array(out)[:, None]).max() < 2e-4
 
 
+@pytest.mark.parametrize("limited", [0.0, 1.0, 9.0])
 @pytest.mark.parametrize(("held", "ahead"), [(0.0, 0.0), (0.004, 0.0), (0.0, 0.5), (0.004, 0.2)])
-def test_joints_side_by_side_come_out_as_each_by_itself(held: float, ahead: float) -> None:
+def test_joints_side_by_side_come_out_as_each_by_itself(held: float, ahead: float, limited: float) -> None:
     columns, rng = 6, np.random.default_rng(3)
     stamp = np.cumsum(rng.choice([0.004, 0.01, 0.011, 0.09], size=400))
     setpoint = np.cumsum(rng.normal(scale=0.02, size=(len(stamp), columns)), axis=0)
@@ -287,9 +288,10 @@ def test_joints_side_by_side_come_out_as_each_by_itself(held: float, ahead: floa
         rng.normal(scale=1e-3, size=setpoint.shape), rng.normal(scale=1e-3, size=setpoint.shape),
         0.3 * each, held * each, reach * each,
         np.full(setpoint.shape, held) * (each > 1.0), np.array([1e-3 * each, 22.0 * each, each]),
+        np.where(limited * each > 1.0, [0.5 * each, 9.0 * each], np.inf),
     ]  # fmt: skip
     arguments[2][1] = 300.0  # stiff: stepped finer than the others
-    together, start = np.empty_like(setpoint), rng.normal(size=(4, columns))
+    together, start = np.empty_like(setpoint), rng.normal(size=(5, columns))
     after = start.copy()
     servo_loops(*arguments, ahead, 0, after, together)
     for j in range(columns):

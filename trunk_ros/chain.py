@@ -22,6 +22,7 @@ from trunk_ros.errors import ModelError
 from trunk_ros.look import UNKNOWN, Given, Look
 from trunk_ros.passes import Crossing, Passes
 from trunk_ros.resistance import Resistance
+from trunk_ros.servo_run import run_servo, servo_core
 from trunk_ros.stage import (
     Memory,
     Order,
@@ -30,8 +31,6 @@ from trunk_ros.stage import (
     back,
     drift,
     friction,
-    run_servo,
-    servo_core,
     through,
     tip_pass,
     wire_pass,
@@ -270,9 +269,10 @@ class Chain:
         """Gearbox angle (twice) and state: passes until load and gearbox angle agree."""
         at_joints = self.arm.driven
         past, asked, start, hung = state.core if state else (stamp[:0], x[:0], fresh(x[0]), None)
-        stamps, setpoints = np.concatenate([past, stamp]), np.ascontiguousarray(np.concatenate([asked, x]))
-        last = at_joints(state.x) if state else None
+        old, new, last = state.blocks if state else {}, Memory(), at_joints(state.x) if state else None
         phi = np.broadcast_to(start[0], x.shape)
+        x = through(x, self.order.path, self._look(stamp, at_joints(phi), last, state, given), old, new)
+        stamps, setpoints = np.concatenate([past, stamp]), np.ascontiguousarray(np.concatenate([asked, x]))
         passes, settled = Passes(state), False
         while not settled:
             now = self._look(stamp, at_joints(phi), last, state, given)
@@ -288,7 +288,7 @@ class Chain:
             out = through(phi, behind, now, {}, {})
         kept = max(int(stamps.searchsorted(stamps[-1] - REMEMBERED)) - 1, 0)
         core = stamps[kept:], setpoints[kept:], after, hangs
-        return out, phi, State(float(stamp[-1]), phi[-1], phi[-1], {}, core, 0.0, passes.calm, now.swing)
+        return out, phi, State(float(stamp[-1]), phi[-1], phi[-1], new, core, 0.0, passes.calm, now.swing)
 
     def _hanging(
         self, phi: Array, stamp: Array, state: State | None, given: Given

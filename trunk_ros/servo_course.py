@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 from scipy.ndimage import maximum_filter1d, uniform_filter1d
 
@@ -30,6 +32,7 @@ def servo_course(
     """Gearbox angles of the model's servos under setpoints, at the stamps ``wanted`` (n,) s, under the
     torque or load cells that were ``seen`` beside them: other loads go by the course itself.
     """
+    setpoints, model = _in_time(setpoints, model)
     grid, rows, kept = joint_grid(setpoints.stamp, wanted, fine=False, beyond=True)
     last = np.clip(np.searchsorted(setpoints.stamp, grid + SAME, side="right") - 1, 0, None)
     held, chain = hold(setpoints.position), Chain(model.only(setpoints.joints), "servo")
@@ -43,6 +46,17 @@ def servo_course(
         )
     everywhere = np.array_equal(rows, np.arange(len(grid)))
     return JointSeries(wanted[kept], setpoints.joints, phi if everywhere else phi[rows])
+
+
+def _in_time(setpoints: JointSeries, model: ArmModel) -> tuple[JointSeries, ArmModel]:
+    """Setpoints that are stamped late, by delays of the model below 0, as early as a servo got them that
+    waits for none; and the model with what is left of its delays.
+    """
+    early = min(float(np.min(model.number("delay"))), 0.0)
+    if early == 0.0:
+        return setpoints, model
+    arm = replace(model.arm, delay=model.arm.delay - early)
+    return replace(setpoints, stamp=setpoints.stamp + early), replace(model, arm=arm)
 
 
 def felt(recording: Recording, arm: Arm, grid: Floats) -> Resistance | None:

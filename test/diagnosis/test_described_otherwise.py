@@ -68,6 +68,6 @@ def test_a_velocity_loop_goes_beside_a_gain() -> None:
     assert found.model.number("tau_v") == pytest.approx(0.03, rel=0.03)
 
 
-def test_a_delay_never_asks_for_what_is_yet_to_come() -> None:
+def test_a_delay_that_is_not_there_is_taken_away() -> None:
     found = diagnose(recorded_servos(PLAIN, after=0.0), model=_stated(delay=0.02))
     assert found.model.number("delay") == pytest.approx(0.0, abs=1e-3)

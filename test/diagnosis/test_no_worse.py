@@ -1,4 +1,6 @@
-"""What was found on a joint stays only where all of it together is no worse than nothing."""
+"""What was found on a joint stays only where all of it together is no worse than nothing; what has no name
+only where it is better.
+"""
 
 from __future__ import annotations
 
@@ -46,6 +48,21 @@ def test_a_joint_that_is_surely_and_usually_worse_off_loses_what_was_found_on_it
     state, errors = no_worse(found())
     assert state.hypothesis["backlash"].columns == kept
     assert (errors[3].after <= 1e-3) == (kept == [2])
+
+
+@pytest.mark.parametrize(("after", "kept"), [(9e-4, [3]), (1.05e-3, [])])
+def test_what_has_no_name_goes_where_it_is_no_better(
+    monkeypatch: pytest.MonkeyPatch, after: float, kept: list[int]
+) -> None:
+    worse(monkeypatch, after)
+    said, wide = found(), {"half_width": 1.5e-3}
+    curve = Term("unknown", own={3: {"low": -0.3, "high": 0.3}}, words={3: {"on": "position"}})
+    both = Hypothesis(backlash=Term("backlash", own={2: wide, 3: wide}), unknown=curve)
+    state, _ = no_worse(costed(said.context, both))
+    assert [
+        c for c in (3,) if "unknown" in state.hypothesis and c in state.hypothesis["unknown"].columns
+    ] == kept
+    assert state.hypothesis["backlash"].columns == [2, 3]
 
 
 def test_what_the_model_has_is_not_taken_from_it(monkeypatch: pytest.MonkeyPatch) -> None:

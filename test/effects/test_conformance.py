@@ -84,6 +84,8 @@ def test_at_its_null_it_changes_nothing(name: str, form: str) -> None:
     with_lead_at_null = {**values, lead.name: lead.null if lead.shared else np.full(5, lead.null)}
     if name in ("wire_slack", "wire_stiffening"):
         with_lead_at_null |= {"compliance": np.zeros(5), "payload": 0.0}
+    if form == "both":  # sides
+        with_lead_at_null |= {p.name: np.full(5, p.null) for p in kind.parameters}
     if kind.own_parameters(form)[0].name == "low":
         with_lead_at_null |= {p.name: np.zeros(5) for p in kind.parameters[2:]}
     with_lead_at_null |= {
@@ -168,7 +170,7 @@ def in_blocks(chain: Chain, backward: bool, signal: Any, stamp: Any, cuts: list[
 @settings(max_examples=2, deadline=None)
 @given(cuts=st.sets(st.integers(1, 499), min_size=1, max_size=8), jitter=st.integers(0, 2**31))
 def test_block_by_block_equals_all_at_once(name: str, form: str, cuts: set[int], jitter: int) -> None:
-    if name == "speed_feedforward":
+    if name == "speed_feedforward" or form == "each_setpoint":
         pytest.skip("the first setpoints do not tell their pace: in pieces see test_servo")
     stage, model = registry()[name].stage, model_of(name, form)
     stamp = 0.012 * (np.arange(500) + np.random.default_rng(jitter).uniform(-0.4, 0.4, 500))

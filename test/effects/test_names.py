@@ -46,6 +46,9 @@ TABLE: dict[str, tuple[str, str, dict[str, str], set[str]]] = {
     "velocity_loop": ("servo", "high_speed", {"relative": "1"}, {"relative"}),
     "velocity_saturation": ("servo", "high_speed", {"v_max": "rad/s"}, {"v_max"}),
     "uneven_speed": ("servo", "high_speed", {"excess": "1"}, set()),
+    "setpoint_limit": ("servo", "posture", {"upper": "rad", "lower": "rad"}, set()),
+    "setpoint_rate": ("servo", "high_speed", {"rate": "rad/s"}, set()),
+    "acceleration_limit": ("servo", "high_speed", {"acceleration": "rad/s^2"}, {"acceleration"}),
     "load_droop": ("servo", "posture", {"gain": "rad/(N*m)"}, {"gain"}),
     "cogging": (
         "servo", "posture", {"amplitude": "rad", "cycles_per_rev": "1"}, {"amplitude", "cycles_per_rev"},

@@ -111,8 +111,19 @@ def test_servos_of_any_numbers_go_as_simulate_has_them(servo: dict[str, Any]) ->
         ({}, {"velocity_saturation": {"v_max": 2.0}, "uneven_speed": {"excess": np.full(5, -0.2)}}),
         ({}, {"velocity_loop": {"relative": 1.0}, "servo_bandwidth": {"relative": -0.2}}),
         ({"delay": 0.02}, {"servo_delay": {"delay": -0.01}}),
+        ({}, {"setpoint_limit": {"upper": 0.3}}),
+        ({}, {"acceleration_limit": {"acceleration": 6.0}}),
     ],
-    ids=["slower", "faster", "uneven", "uneven and faster", "other loops", "less late"],
+    ids=[
+        "slower",
+        "faster",
+        "uneven",
+        "uneven and faster",
+        "other loops",
+        "less late",
+        "clipped",
+        "current-limited",
+    ],
 )
 def test_servos_at_their_top_speed_go_as_simulate_has_them(
     told: dict[str, Any], effects: dict[str, Any]

@@ -61,6 +61,13 @@ class Core:
     """(1 or n, columns) rad: how high the servo's own swing is."""
     teeth: Array = field(default_factory=lambda: NONE)
     """(2, 1, columns): cycles of that per revolution, and its phase rad."""
+    lowest: Array | float = -np.inf
+    """(columns,) rad: the least setpoint that the drive takes, and ``highest`` the largest."""
+    highest: Array | float = np.inf
+    quickest: Array = field(default_factory=lambda: NONE)
+    """(1, columns) rad/s at which the drive moves its own setpoint to that it got; inf: at once."""
+    hardest: Array = field(default_factory=lambda: NONE)
+    """(1, columns) rad/s^2 by which the servo's speed changes at most; inf: as its loop asks."""
     geometry: Geometry = field(default_factory=lambda: AS_DESCRIBED)
     along: Array = field(default_factory=lambda: NO_TURN)
     """(joints, 3) unit vectors from each joint to the next, in the joint's frame."""
@@ -70,6 +77,11 @@ class Core:
     """(joints, 2, 3) unit vectors across each joint's axis."""
     bent: Array | float = 0.0
     """(n, joints) rad or m that the tip has more of each joint than its sensor shows."""
+
+    @property
+    def bounded(self) -> bool:
+        """Whether the drive takes some setpoints for others."""
+        return bool(np.any(self.lowest > -np.inf) or np.any(self.highest < np.inf))
 
     @property
     def tops(self) -> tuple[Array, Array]:

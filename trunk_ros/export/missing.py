@@ -57,7 +57,7 @@ def missing(model: AnyModel, simulation: ArmModel | None = None) -> Missing[AnyM
             remarks.append(EXCESS.format(name, "the arm has none"))
     servo = replace(theirs, arm=model.arm)
     there = replace(theirs.arm, delay=0.0, feedforward=0.0) if simulation is None else theirs.arm
-    late = np.asarray(model.number("delay") - replace(theirs, arm=there).number("delay"))
+    late = np.maximum(model.number("delay"), 0.0) - replace(theirs, arm=there).number("delay")
     if np.any(late < -1e-9):
         remarks.append(EXCESS.format("servo_delay", listed(joints, -np.minimum(late, 0.0), "s")))
     found = np.asarray(effects.get("servo_delay", {}).get("delay", 0.0))

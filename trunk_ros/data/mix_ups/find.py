@@ -15,6 +15,7 @@ from trunk_ros.data.mix_ups.guided import guided
 from trunk_ros.data.mix_ups.no_torque import no_torque, without_torque
 from trunk_ros.data.mix_ups.order import swapped, turned_signs
 from trunk_ros.data.mix_ups.pair import MixUp, pair_of
+from trunk_ros.data.mix_ups.servo_numbers import servo_numbers
 from trunk_ros.data.mix_ups.stuck import stuck
 from trunk_ros.data.mix_ups.tip import tip_mixed
 from trunk_ros.data.mix_ups.units import counts, degrees, exchanged, joint_sided
@@ -39,22 +40,23 @@ def mix_ups(recording: Recording, model: ArmModel) -> list[MixUp]:
             known = {joint for one in out if one.kind == "stuck" for joint in one.joints}
             out += _of_stage(recording, model, stage, known)
     if not any(one.certain for one in out):
+        out += servo_numbers(recording, model)
         out += tip_mixed(recording, model)
     return out + no_torque(recording, model)
 
 
 def without_mix_ups(recording: Recording, found: list[MixUp]) -> Recording:
     """The recording without effort that is a magnitude, and without what is mixed up for certain: setpoints
-    that do not fit the motors are left out, and become NaN where motors do not follow them; joint readings
-    that do not fit become NaN, and the tip is left out with them, and the setpoints where a hand guides
-    joints: their motors follow the hand.
+    that do not fit the motors are left out, and become NaN where motors do not follow them, or where there
+    is nothing else to diagnose; joint readings that do not fit become NaN, and the tip is left out with them,
+    and the setpoints where a hand guides joints: their motors follow the hand.
     """
     recording = without_torque(recording, found)
     series, tip = dict(recording.series), recording.tip
     for one in (one for one in found if one.certain):
         if one.stage == "servo":
             asked = series.pop("setpoints", None)
-            if asked is not None and one.kind in ("unled", "stuck"):
+            if asked is not None and (one.kind in ("unled", "stuck") or "joint_states" not in series):
                 series["setpoints"] = _unread(asked, one.joints)
             continue
         if one.stage == "arm":

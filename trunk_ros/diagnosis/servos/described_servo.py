@@ -29,6 +29,8 @@ from trunk_ros.levels import CLEARLY
 from trunk_ros.model import Model
 from trunk_ros.recording.recording import Recording
 
+EARLIEST = np.array([0.0, 0.0, 0.0, 0.5, 0.0])  # s before their stamps that setpoints may be there
+
 Told = tuple[Loop, Array]
 """The loop of a joint's servo, and its (5,) numbers as a model has them, as in SERVO_OF_EACH."""
 
@@ -96,7 +98,8 @@ def _told(model: Model, recordings: Sequence[Recording]) -> list[Told]:
     numbers, out = numbers_of_each(model.arm), []
     for context, column, joint in moved(model, recordings):
         zero = context.whiten_change([np.ones(len(view.span.stamp)) for view in context.views], column)
-        out.append((replace(Loop.of(context, column), beside=zero), numbers[:, joint]))
+        loop = Loop.of(context, column)
+        out.append((replace(loop, beside=zero, low=loop.low * [1, 1, 1, 0, 1] - EARLIEST), numbers[:, joint]))
     return out
 
 

@@ -24,7 +24,8 @@ from trunk_ros.effects.servo.loop import fresh
 from trunk_ros.look import slope_of
 from trunk_ros.model import Model
 from trunk_ros.passes import Passes
-from trunk_ros.stage import run_servo, servo_core
+from trunk_ros.servo_run import run_servo, servo_core
+from trunk_ros.stage import through
 
 LEFT_BY_LOOP = "what remains once the servo's loop is identified"
 
@@ -104,7 +105,9 @@ class ServoStage(Stage):
         """Gearbox angles (m, pairs) that hypotheses which are alike lead to, and their blocks."""
         blocks = bind_together(pairs)
         core = servo_core(self.arm, blocks, now, self.tried)
-        source = np.ascontiguousarray(span.source[:, [column for _, column in pairs]])
+        asked = span.source[:, [column for _, column in pairs]]
+        before = [block for block in blocks if block.acts_at < block.CORE]
+        source = np.ascontiguousarray(through(asked, before, now, {}, {}))
         start = fresh(now.gearbox[0], now.speed[0] / now.ratio)
         anew = np.searchsorted(now.stamp, span.anew)
         return run_servo(core, now, source, now.stamp, start, anew)[0], blocks

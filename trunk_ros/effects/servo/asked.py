@@ -27,7 +27,6 @@ def speed_asked(
     setpoint: Array,
     stamp: Array,
     j: int,
-    k: int,
     held: int,
     t: float,
     h: float,
@@ -43,7 +42,7 @@ def speed_asked(
     """
     before = min(max(gain * beyond(setpoint[held, j] + rest, zone), least), most)
     mean, after = before, held + 1
-    while after < k and stamp[after] < t + h - 1e-9:
+    while after < len(stamp) and stamp[after] < t + h - 1e-9:
         now = min(max(gain * beyond(setpoint[after, j] + rest, zone), least), most)
         mean += (t + h - stamp[after]) / h * (now - before)
         before = now
@@ -55,8 +54,7 @@ def speed_asked(
 def ask(
     setpoint: Array,
     stamp: Array,
-    k: int,
-    span: float,
+    begun: float,
     delay: Array,
     h: Array,
     substeps: np.ndarray,
@@ -68,8 +66,8 @@ def ask(
     first_of: np.ndarray,
     mixed: np.ndarray,
 ) -> None:
-    """What the loops of each column are asked for (last - first, columns) at some of the steps before stamp
-    ``k``, mean over each; ``held`` (columns,): the setpoints that act. ``mixed`` (last - first,) tells of a
+    """What the loops of each column are asked for (last - first, columns) at some of the steps from ``begun``
+    s on, mean over each; ``held`` (columns,): the setpoints that act. ``mixed`` (last - first,) tells of a
     step whether setpoints change in it, ``first_of`` (likewise, columns) from which one on, -1: they do not.
     """
     columns = len(h)
@@ -82,13 +80,13 @@ def ask(
             end += 1
         now = held[j]
         for i in range(first, min(last, substeps[j])):
-            t = stamp[k] - span + i * h[j] - delay[j]
-            while now + 1 < k and stamp[now + 1] <= t + 1e-9:
+            t = begun + i * h[j] - delay[j]
+            while now + 1 < len(stamp) and stamp[now + 1] <= t + 1e-9:
                 now += 1
             for m in range(j, end):
                 asked[i - first, m] = setpoint[now, m]
             after = now + 1
-            while after < k and stamp[after] < t + h[j] - 1e-9:
+            while after < len(stamp) and stamp[after] < t + h[j] - 1e-9:
                 share = (t + h[j] - stamp[after]) / h[j]
                 for m in range(j, end):
                     asked[i - first, m] += share * (setpoint[after, m] - setpoint[after - 1, m])

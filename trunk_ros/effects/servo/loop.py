@@ -17,9 +17,17 @@ BLOCK = 8  # steps of which setpoints are looked up at once
 
 
 def fresh(angle: Array, speed: Array | float = 0.0) -> Array:
-    """State (4, columns) of loops as a run begins, with wires that bear nothing that is known."""
+    """State (5, columns) of loops as a run begins, with wires that bear nothing that is known, and drives of
+    which it is not known how far their own setpoint has come.
+    """
     none = np.zeros_like(angle)
-    return np.stack([angle, speed + none, angle, none + np.nan])
+    return np.stack([angle, speed + none, angle, none + np.nan, none + np.nan])
+
+
+@compiled
+def towards(now: float, wanted: float, most: float) -> float:
+    """From ``now`` on to what is ``wanted``, by no more than ``most``."""
+    return now + min(max(wanted - now, -most), most)
 
 
 @compiled
@@ -58,6 +66,7 @@ def servo_loop(
     reach: Array,
     dead_zone: Array,
     cogging: Array,
+    limits: Array,
     ahead: float,
     skip: int,
     state: Array,
@@ -65,10 +74,12 @@ def servo_loop(
 ) -> None:
     """Gearbox angle at each stamp, before the setpoint of that stamp acts. ``up``, ``down``: top speeds.
 
-    ``setpoint`` (m, columns) and ``stamp`` (m,) start with the ``skip`` past rows that a delay may need;
-    ``out`` (m - skip, columns); ``state`` (4, columns) is angle, speed, where the wire stuck and what the
-    load pulled (NaN: the run begins) at row ``skip - 1``. The numbers of the loop (1 or m - skip, columns),
-    ``cogging`` (3, likewise), ``reach`` (columns,). A wire that slides holds the shaft back by ``rub``, from
+    ``setpoint`` (m, columns) and ``stamp`` (m,) start with the ``skip`` past rows that a delay may need, and
+    may go on beyond ``out`` (n, columns), for delays below 0; ``state`` (5, columns) is angle, speed, where
+    the wire stuck, what the load pulled and how far the drive's own setpoint came (NaN: the run begins) at
+    row ``skip - 1``. The numbers of the loop (1 or n, columns), ``cogging`` (3, likewise), ``limits`` (2,
+    likewise) of how fast the drive moves its own setpoint on, and of how fast the speed changes; ``reach``
+    (columns,). A wire that slides holds the shaft back by ``rub``, from
     ``reach`` beyond where it stuck; a shorter reach than ``rub`` would make the loop stiffer than its own
     gain. A wire that sticks keeps its tension: a ``load`` (rad of the setpoint) that changes meanwhile only
     brings it nearer to sliding. Between two rows the mean of their loads acts. Of what wires pull the share
@@ -80,15 +91,18 @@ def servo_loop(
     """
     rows, columns = setpoint.shape
     for j in range(columns):
-        phi, v, stuck, bore = state[0, j], state[1, j], state[2, j], state[3, j]
+        phi, v, stuck, bore, led = state[0, j], state[1, j], state[2, j], state[3, j], state[4, j]
         held, smooth, known, lag = 0, 0.0, -1.0, -1.0
-        for k in range(skip, rows):
+        for k in range(skip, skip + len(out)):
             r = k - skip
             gain, tau, late = at(kp, r, j), at(tau_v, r, j), at(delay, r, j)
             most, least = at(up, r, j), -at(down, r, j)
             pulled, rubs, zone = at(pull, r, j), at(rub, r, j), at(dead_zone, r, j)
             bears, past = at(load, r, j), at(torque, r, j)
             size, cycles, phase = at(cogging[0], r, j), at(cogging[1], r, j), at(cogging[2], r, j)
+            quickest, hardest = at(limits[0], r, j), at(limits[1], r, j)
+            if led != led and quickest < np.inf:
+                led = phi + v / gain  # where a loop that goes at that speed is led
             moved = 0.0
             if rubs != 0.0 and bore == bore:  # half of it before, half of it behind the step
                 moved = 0.5 * (bears - bore) * reach[j] / rubs
@@ -108,13 +122,16 @@ def servo_loop(
                     t = stamp[k] - span + i * h - late
                     while held > 0 and stamp[held] > t + 1e-9:  # where setpoints have just become later
                         held -= 1
-                    while held + 1 < k and stamp[held + 1] <= t + 1e-9:
+                    while held + 1 < rows and stamp[held + 1] <= t + 1e-9:
                         held += 1
                     mean, after, changes = setpoint[held, j], held + 1, False
-                    while after < k and stamp[after] < t + h - 1e-9:
+                    while after < rows and stamp[after] < t + h - 1e-9:
                         mean += (t + h - stamp[after]) / h * (setpoint[after, j] - setpoint[after - 1, j])
                         changes = changes or setpoint[after, j] != setpoint[after - 1, j]
                         after += 1
+                    if quickest < np.inf:
+                        came, led, changes = led, towards(led, mean, quickest * h), False
+                        mean = 0.5 * (came + led)
                     target = mean + pulled
                     if size != 0.0:
                         target += size * sine(cycles * phi + phase)
@@ -126,12 +143,15 @@ def servo_loop(
                     error = target + (1.0 - past) * tension - (phi + ahead * h * v)
                     if changes:
                         rest = error - mean
-                        v_ref = speed_asked(setpoint, stamp, j, k, held, t, h, gain, rest, zone, least, most)
+                        v_ref = speed_asked(setpoint, stamp, j, held, t, h, gain, rest, zone, least, most)
                     else:
                         v_ref = min(max(gain * beyond(error, zone), least), most)
                     v_ref += gain * past * tension
                     before = v
-                    v += smooth * (v_ref - v)
+                    if hardest < np.inf:
+                        v = towards(v, v + smooth * (v_ref - v), hardest * h)
+                    else:
+                        v += smooth * (v_ref - v)
                     phi += h * (v + ahead * (before - v))
             stuck -= moved
             out[k - skip, j] = phi
@@ -139,6 +159,7 @@ def servo_loop(
         state[1, j] = v
         state[2, j] = stuck
         state[3, j] = bore
+        state[4, j] = led
 
 
 @compiled
@@ -157,14 +178,15 @@ def servo_loops(
     reach: Array,
     dead_zone: Array,
     cogging: Array,
+    limits: Array,
     ahead: float,
     skip: int,
     state: Array,
     out: Array,
 ) -> None:
     """The same as ``servo_loop``, to the last bit, with the columns in the innermost loop."""
-    rows, columns = setpoint.shape
-    phi, v, stuck, bore = state[0], state[1], state[2], state[3]
+    columns = setpoint.shape[1]
+    phi, v, stuck, bore, led = state[0], state[1], state[2], state[3], state[4]
     held, substeps = np.zeros(columns, np.int64), np.zeros(columns, np.int64)
     step, h, smooth = np.empty(columns), np.empty(columns), np.empty(columns)
     tension, borne, moved = np.empty(columns), np.empty(columns), np.empty(columns)
@@ -175,7 +197,11 @@ def servo_loops(
         step[j] = min(STEP, CLOSE / kp[j])
         clocked[j] = j > 0 and delay[j] == delay[j - 1] and step[j] == step[j - 1]
     rubs, cogs = np.any(rub != 0.0), np.any(cogging[0] != 0.0)
-    for k in range(skip, rows):
+    leads, strains = np.any(limits[0] < np.inf), np.any(limits[1] < np.inf)
+    for j in range(columns):
+        if led[j] != led[j] and limits[0, j] < np.inf:
+            led[j] = phi[j] + v[j] / kp[j]
+    for k in range(skip, skip + len(out)):
         span = min(stamp[k] - stamp[k - 1], LONGEST) if k > 0 else 0.0
         most, zones = 0, False
         for j in range(columns if k > 0 else 0):
@@ -204,12 +230,19 @@ def servo_loops(
         for first in range(0, most, BLOCK):
             last = min(first + BLOCK, most)
             ask(
-                setpoint, stamp, k, span, delay, h, substeps, clocked, held, first, last,
+                setpoint, stamp, stamp[k] - span, delay, h, substeps, clocked, held, first, last,
                 asked, first_of, mixed,
             )  # fmt: skip
             for i in range(first, last):
                 row = i - first
                 error, mix = asked[row], mixed[row]
+                if leads:
+                    for j in range(columns):
+                        if limits[0, j] < np.inf and i < substeps[j]:
+                            came = led[j]
+                            led[j] = towards(came, error[j], limits[0, j] * h[j])
+                            error[j] = 0.5 * (came + led[j])
+                            first_of[row, j] = -1
                 if mix:
                     for j in range(columns):
                         whole[j] = error[j]
@@ -244,11 +277,15 @@ def servo_loops(
                         begun, zone = first_of[row, j], dead_zone[k - skip, j]
                         t = stamp[k] - span + i * h[j] - delay[j]
                         v_ref = speed_asked(
-                            setpoint, stamp, j, k, begun, t, h[j], kp[j], whole[j], zone, -down[j], up[j]
+                            setpoint, stamp, j, begun, t, h[j], kp[j], whole[j], zone, -down[j], up[j]
                         )
                     v_ref += kp[j] * torque[j] * tension[j]
                     before = v[j]
-                    v[j] += (smooth[j] if goes_on else 0.0) * (v_ref - before)
+                    if strains and limits[1, j] < np.inf:
+                        v_ref = towards(before, before + smooth[j] * (v_ref - before), limits[1, j] * h[j])
+                        v[j] = v_ref if goes_on else before
+                    else:
+                        v[j] += (smooth[j] if goes_on else 0.0) * (v_ref - before)
                     phi[j] += (h[j] if goes_on else 0.0) * (v[j] + ahead * (before - v[j]))
         for j in range(columns):
             stuck[j] -= moved[j]

@@ -1,4 +1,6 @@
-"""Setpoints take effect late, or less late than the model says."""
+"""Setpoints take effect late, or less late than the model says: by less than nothing where their stamps are
+late themselves.
+"""
 
 from collections.abc import Mapping
 from typing import Any
@@ -11,13 +13,15 @@ from trunk_ros.parameter import Parameter
 
 
 class ServoDelay(Effect):
-    """The loop sees the setpoint of ``delay`` ago, beside the model's own: never one that is yet to come."""
+    """The loop sees the setpoint of ``delay`` ago, beside the model's own; in a recording also one that is
+    stamped later.
+    """
 
     id = "servo_delay"
     sizes = ("delay",)
     stage, place, regime = "servo", 100, "high_speed"
     signature = "The gearbox follows the setpoint's whole curve later than the loop would."
-    source = "Transport delay of the field bus."
+    source = "Transport delay of the field bus; stamps that are set when a message is recorded."
     parameters = (
         Parameter(
             "delay",
@@ -26,7 +30,7 @@ class ServoDelay(Effect):
             "age of a setpoint when it acts, beside what the model says",
             typical=0.01,
             shared=True,
-            scan=(0.005, 0.02, 0.08),
+            scan=(-0.01, 0.005, 0.02, 0.08),
         ),
     )
     forms = ("alike", "apart")
@@ -41,7 +45,7 @@ class ServoDelay(Effect):
 
     @classmethod
     def changed(cls, number: Any, values: Mapping[str, Any]) -> Any:
-        return np.maximum(number + np.asarray(values.get("delay", 0.0), dtype=float), 0.0)
+        return number + np.asarray(values.get("delay", 0.0), dtype=float)
 
     def adjust(self, core: Core, now: Now) -> None:
-        core.delay = np.maximum(core.delay + self["delay"], 0.0)
+        core.delay = core.delay + self["delay"]

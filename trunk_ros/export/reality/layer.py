@@ -15,6 +15,8 @@ from trunk_ros.export.reality.servo import Servo
 from trunk_ros.export.reality.wire import wire_of
 from trunk_ros.model import Model, load_model
 
+ACCELERATION = "acceleration_limit: limit it in the simulator: no command before its servos does"
+
 
 class RealityLayer:
     """Commands go to the simulator through ``step``, and its joint states come back through it.
@@ -50,7 +52,8 @@ class RealityLayer:
         lacking = missing(arm, theirs)
         self.model = lacking.model
         """What is added."""
-        self.remarks = lacking.remarks
+        unable = [ACCELERATION] if "acceleration_limit" in lacking.model.effects else []
+        self.remarks = (*lacking.remarks, *unable)
         """What cannot be."""
         self.joints = arm.arm.joints
         self._shape = environments, len(self.joints)

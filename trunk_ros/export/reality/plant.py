@@ -11,7 +11,7 @@ from trunk_ros.arm.arm import SERVO_OF_EACH, STEP
 from trunk_ros.arm_model import ArmModel
 from trunk_ros.compiled import Array, compiled
 from trunk_ros.effects import effect
-from trunk_ros.effects.servo.loop import CLOSE, rise
+from trunk_ros.effects.servo.loop import CLOSE, rise, towards
 from trunk_ros.errors import ModelError
 from trunk_ros.export.missing import missing
 from trunk_ros.export.reality.scene import Scene
@@ -97,7 +97,8 @@ class Plant:
         gearbox, velocity = before.copy(), self._velocity.copy()
         arm = self._arm
         kp, tau_v, up, down = self._loop
-        follow(wanted, dt, kp, tau_v, up, down, arm.ahead, gearbox, velocity)
+        hardest = np.ascontiguousarray(self._servo.hardest)
+        follow(wanted, dt, kp, tau_v, up, down, hardest, arm.ahead, gearbox, velocity)
         self._time += dt
         theta = self._theta + (gearbox - before) * arm.ratio
         now = Scene(arm, self.model.duration, dt, gearbox, theta, velocity * arm.ratio)
@@ -123,12 +124,14 @@ def follow(
     tau_v: Array,
     up: Array,
     down: Array,
+    hardest: Array,
     ahead: float,
     gearbox: Array,
     velocity: Array,
 ) -> None:
     """Move motor-side angles and velocities (environments, joints) by ``dt`` s under setpoints, in place, by
-    servos with these numbers (joints,), ``up`` and ``down`` being top speeds, ``ahead`` as in ``servo_loop``.
+    servos with these numbers (joints,), ``up`` and ``down`` being top speeds, ``hardest`` the limits of their
+    accelerations, ``ahead`` as in ``servo_loop``.
     """
     for j in range(setpoints.shape[1]):
         steps = max(int(np.ceil(dt / min(STEP, CLOSE / kp[j]) - 1e-9)), 1)
@@ -139,5 +142,5 @@ def follow(
                 before = velocity[e, j]
                 error = setpoints[e, j] - (gearbox[e, j] + ahead * h * before)
                 wanted = min(max(kp[j] * error, -down[j]), up[j])
-                velocity[e, j] += smooth * (wanted - before)
+                velocity[e, j] = towards(before, before + smooth * (wanted - before), hardest[j] * h)
                 gearbox[e, j] += h * (velocity[e, j] + ahead * (before - velocity[e, j]))

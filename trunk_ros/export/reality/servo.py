@@ -28,7 +28,7 @@ class Servo:
         scene = Scene(arm, model.duration, 0.0, *(np.zeros((1, len(arm.joints))),) * 3)
         core = core_of(scene.gearbox)
         core.delay, core.feedforward = np.atleast_1d(arm.delay), np.atleast_1d(arm.feedforward)
-        for block in [Block(e, arm, 1) for e in effects if e.acts_at == Effect.CORE]:
+        for block in [Block(e, arm, 1) for e in effects if e.acts_at <= Effect.CORE]:
             block.adjust(core, scene)
         columns = environments * len(arm.joints)
 
@@ -37,7 +37,17 @@ class Servo:
 
         nominal = np.where(core.uneven == 0.0, np.inf, arm.v_max)  # what is even is the simulator's matter
         top = np.where(np.isfinite(core.v_max), core.v_max, nominal)
-        self.fastest = spread(top * (1.0 + core.uneven)), spread(top * (1.0 - core.uneven))
+        led = np.ravel(core.quickest)
+        ways = top * (1.0 + core.uneven), top * (1.0 - core.uneven)
+        up, down = (spread(np.minimum(np.ravel(way), led)) for way in ways)
+        self.fastest = up, down
+        self.bounds = (
+            (spread(np.asarray(core.lowest)), spread(np.asarray(core.highest))) if core.bounded else None
+        )
+        self.hardest = np.broadcast_to(np.ravel(core.hardest), len(arm.joints))
+        """(joints,) rad/s^2: for who steps the loop; no command shows another one's speed its limit."""
+        limited = core.bounded or bool(np.isfinite(led).any())
+        self.passes = not (self.blocks or limited)
         self.gain = spread(core.kp)
         self.kp = spread(np.asarray(arm.kp))
         self.tau = spread(np.asarray(arm.tau_v))
@@ -47,7 +57,7 @@ class Servo:
         self.rub = spread(core.rub)
         self.reach = np.maximum(spread(np.abs(arm.dead_band / arm.ratio)), self.rub)
         self.held: Array | None = None
-        late = spread(core.delay)
+        late = np.maximum(spread(core.delay), 0.0)  # stamps that are late are none of a simulator's
         self.past = Past(late) if np.any(late > 0.0) else None
         self.early = spread(core.feedforward) / (self.gain * self.kp)
         self.asked: Array | None = None
@@ -57,10 +67,11 @@ class Servo:
 
     def step(self, command: Array, scene: Scene, now: float, anew: np.ndarray | None) -> Array:
         """The command (environments, joints) as it reaches the simulator's servo."""
-        if not self.blocks and not self.behind and self.past is None and not self.early.any():
+        if self.passes and not self.behind and self.past is None and not self.early.any():
             return command
         shape = command.shape
         x: Array = command.reshape(-1)
+        x = x if self.bounds is None else np.clip(x, *self.bounds)
         columns = None if anew is None else np.repeat(anew, shape[1])
         if self.past is not None:
             if columns is not None:

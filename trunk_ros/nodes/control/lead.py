@@ -57,7 +57,7 @@ class Lead:
         self._most = float(np.mean(self._late))
         up, down = tops
         law = gain[None], row + tau_v, row + up, row + down, row, row, row, row, row, none, row
-        self._law = *law, np.zeros((3, 1, len(gain))), ahead
+        self._law = *law, np.zeros((3, 1, len(gain))), np.full((2, 1, len(gain)), np.inf), ahead
 
     @property
     def sight(self) -> float:

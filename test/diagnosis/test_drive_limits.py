@@ -1,0 +1,51 @@
+"""What drives do to their setpoints is told by its name, and holds on another motion."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from test.diagnosis.arms import diagnose, reshaped
+from test.diagnosis.test_described_otherwise import _moved
+from test.diagnosis.test_nominal_servo import PLAIN, _left, _stated, recorded_servos
+from trunk_ros.recording.recording import Recording
+
+
+def limited(effects: dict[str, Any], seed: int) -> Recording:
+    run = recorded_servos(PLAIN, seed, after=0.0, seconds=30.0)
+    moved = _moved(run, replace(_stated(), effects=effects))
+    return replace(run, series=run.series | {"gearbox_states": moved})
+
+
+@pytest.mark.parametrize(
+    ("name", "values", "at"),
+    [
+        ("setpoint_limit", {"upper": np.array([1e4, 0.2, 1e4])}, "elbow"),
+        ("setpoint_limit", {"lower": np.array([-0.15, -1e4, -1e4]), "form": "lower"}, "shoulder"),
+        ("setpoint_rate", {"rate": 0.5, "form": "drive"}, "wrist"),
+        ("setpoint_rate", {"rate": 0.5, "form": "each_setpoint"}, "wrist"),
+        ("acceleration_limit", {"acceleration": 6.0}, "arm"),
+    ],
+)
+def test_it_is_told_by_its_name(name: str, values: dict[str, Any], at: str) -> None:
+    found = diagnose(limited({name: values}, 1), model=_stated())
+    (finding,) = found.findings
+    assert (finding.effect, found.verdict) == (name, "explained")
+    lead = next(key for key in values if key != "form")
+    size = values[lead] if np.ndim(values[lead]) == 0 else values[lead][np.abs(values[lead]) < 1e3][0]
+    assert finding.parameters[at][lead]["value"] == pytest.approx(size, rel=0.02)
+    assert _left(found.model, limited({name: values}, 2)).max() < 3e-4
+
+
+@pytest.mark.parametrize("late", [0.006, 0.02])
+def test_stamps_of_setpoints_that_are_late_are_a_delay_below_nothing(late: float) -> None:
+    """They had been a feedforward beside another gain."""
+    run = recorded_servos(PLAIN, 1, after=0.0, seconds=30.0)
+    stamped = reshaped(run, "setpoints", stamp=run.series["setpoints"].stamp + late)
+    found = diagnose(stamped, model=_stated())
+    (finding,) = found.findings
+    assert (finding.effect, found.verdict) == ("servo_delay", "explained")
+    assert finding.parameters["arm"]["delay"]["value"] == pytest.approx(-late, abs=5e-4)

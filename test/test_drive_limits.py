@@ -1,0 +1,97 @@
+"""Drives that clip or ramp setpoints, and setpoints that are stamped late, against plain Python."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from test.effects.example import arm_of
+from trunk_ros.chain import Chain
+from trunk_ros.compiled import Array
+from trunk_ros.model import Model
+from trunk_ros.recording.recording import JointSeries
+from trunk_ros.servo_course import servo_course
+
+KP, TAU, FINE = 20.0, 0.02, 1e-4
+RATE = 100.0
+
+
+def asked(seconds: float = 5.0) -> tuple[Array, Array]:
+    """Stamps (n,) and setpoints (n, 2): steps, and a sweep that gets fast."""
+    stamp = np.arange(0.0, seconds, 1.0 / RATE)
+    steps = np.where(stamp > 0.5, 0.5, 0.0) - np.where(stamp > 2.5, 0.8, 0.0)
+    return stamp, np.column_stack([steps, 0.4 * np.sin(2.0 * stamp**2 / 3.0)])
+
+
+def servo(setpoint: Array, stamp: Array, **effects: Any) -> Array:
+    """Gearbox angles (n, joints) of loops that run as if without end, far from their top speed."""
+    arm = replace(arm_of(setpoint.shape[1]), kp=KP, tau_v=TAU, v_max=50.0, step=0.0)
+    return Chain(Model(arm, effects), "servo").run(setpoint, stamp)[0]
+
+
+def in_steps(setpoint: Array, rate: float = np.inf, hardest: float = np.inf) -> Array:
+    """The same of a joint (n,), in steps of 0.1 ms."""
+    phi, v, led, out = setpoint[0], 0.0, setpoint[0], []
+    for target in setpoint:
+        out.append(phi)
+        for _ in range(round(1.0 / RATE / FINE)):
+            led += np.clip(target - led, -rate * FINE, rate * FINE)
+            v += np.clip((KP * (led - phi) - v) / TAU, -hardest, hardest) * FINE
+            phi += v * FINE
+    return np.array(out)
+
+
+def test_a_drive_that_clips_its_setpoints_is_one_that_gets_clipped_ones() -> None:
+    stamp, setpoint = asked()
+    limits = {"upper": np.array([0.3, 0.2]), "lower": np.array([-0.1, -0.4]), "form": "both"}
+    clipped = np.clip(setpoint, limits["lower"], limits["upper"])
+    assert np.array_equal(servo(setpoint, stamp, setpoint_limit=limits), servo(clipped, stamp))
+    above = servo(setpoint, stamp, setpoint_limit={"upper": 0.3})
+    assert np.array_equal(above, servo(np.minimum(setpoint, 0.3), stamp))
+
+
+@pytest.mark.parametrize("rate", [0.2, 0.7])
+def test_a_drive_that_ramps_its_setpoint_does_so_between_two_that_it_gets(rate: float) -> None:
+    stamp, setpoint = asked()
+    got = servo(setpoint, stamp, setpoint_rate={"rate": rate, "form": "drive"})
+    for j in range(2):
+        assert got[:, j] == pytest.approx(in_steps(setpoint[:, j], rate), abs=4e-4)
+    assert np.abs(got - servo(setpoint, stamp)).max() > 0.1
+
+
+def test_a_controller_that_limits_each_setpoint_goes_on_while_they_stand() -> None:
+    """In whatever rows they stand."""
+    stamp, setpoint = asked()
+    limited, rate = setpoint.copy(), 0.7
+    for k in range(1, len(limited)):
+        most = rate / RATE
+        limited[k] = limited[k - 1] + np.clip(setpoint[k] - limited[k - 1], -most, most)
+    values = {"rate": rate, "form": "each_setpoint"}
+    late = np.sort(np.concatenate([stamp, stamp + 0.004]))
+    rows = np.searchsorted(stamp, late + 1e-9, side="right") - 1
+    got = servo(setpoint[rows], late, setpoint_rate=values)
+    there = servo(limited[rows], late)
+    assert got[:, 1] == pytest.approx(there[:, 1], abs=1e-4)
+    assert got[:, 0] == pytest.approx(there[:, 0], abs=5e-3)  # two steps say nothing of their pace
+
+
+@pytest.mark.parametrize("hardest", [4.0, 12.0])
+def test_speed_changes_no_faster_than_the_limit(hardest: float) -> None:
+    stamp, setpoint = asked()
+    got = servo(setpoint, stamp, acceleration_limit={"acceleration": hardest})
+    for j in range(2):
+        assert got[:, j] == pytest.approx(in_steps(setpoint[:, j], hardest=hardest), abs=2e-3)
+    assert np.abs(np.diff(got, 2, axis=0)).max() * RATE**2 <= 1.0001 * hardest
+
+
+@pytest.mark.parametrize("late", [0.01, 0.0137])
+def test_setpoints_that_are_stamped_late_are_seen_before_their_stamps(late: float) -> None:
+    stamp, setpoint = asked()
+    arm = replace(arm_of(2), kp=KP, tau_v=TAU, v_max=50.0, step=0.0)
+    model = Model(arm, {"servo_delay": {"delay": -late}})
+    series = JointSeries(stamp + late, arm.joints, setpoint)
+    there = servo_course(JointSeries(stamp, arm.joints, setpoint), stamp[50:-10], Model(arm)).position
+    assert servo_course(series, stamp[50:-10], model).position == pytest.approx(there, abs=2e-5)

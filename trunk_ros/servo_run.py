@@ -1,0 +1,159 @@
+"""The loops of a stage's servos, with what effects make of them, run over their setpoints."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import replace
+from itertools import pairwise
+
+import numpy as np
+
+from trunk_ros.arm import Arm
+from trunk_ros.arm.arm import SERVO_OF_EACH
+from trunk_ros.compiled import Array
+from trunk_ros.effects import lasting
+from trunk_ros.effects.core import Core
+from trunk_ros.effects.effect import Effect, Now
+from trunk_ros.effects.servo.loop import SEVERAL, fresh, servo_loop, servo_loops
+
+LATE, EARLY = 1.5, 1e-3  # setpoint periods: what comes later than that stood before; rounding of stamps
+
+LOOP = (*SERVO_OF_EACH, "uneven", "pull", "load", "torque", "rub", "dead_zone", "cogging")
+
+
+def servo_core(arm: Arm, effects: Sequence[Effect], now: Now, numbers: Array | None = None) -> Core:
+    """The numbers of an arm's loops with effects on them; ``numbers`` (5, columns): of other servos."""
+    columns = len(now.ratio)
+    if numbers is None:
+        numbers = np.stack([_seen(getattr(arm, name), now) for name in SERVO_OF_EACH])
+    kp, tau_v, v_max, delay, feedforward = numbers[:, None]
+    none = np.zeros((1, columns))
+    core = Core(
+        kp=kp,
+        tau_v=tau_v,
+        v_max=v_max,
+        uneven=none,
+        delay=delay,
+        feedforward=feedforward,
+        ahead=arm.ahead,
+        pull=none,
+        load=none,
+        torque=none,
+        rub=none,
+        reach=reach(arm, now),
+        dead_zone=none,
+        cogging=none,
+        quickest=none + np.inf,
+        hardest=none + np.inf,
+        teeth=np.zeros((2, 1, columns)),
+    )
+    for e in effects:
+        if e.acts_at == Effect.CORE:
+            _set(e, core, now)
+    return core
+
+
+def run_servo(
+    core: Core, now: Now, setpoints: Array, stamps: Array, start: Array, anew: Iterable[int] = ()
+) -> tuple[Array, Array]:
+    """Gearbox angle (n, columns) of loops with these numbers and their state (5, columns) after it;
+    ``setpoints`` may begin with past rows. After each of the rows ``anew`` it goes on from where the gearbox
+    is there.
+    """
+    n, columns = len(now.stamp), len(now.ratio)
+    out, state = np.empty((n, columns)), start.copy()
+    within = np.minimum(np.maximum(setpoints, core.lowest), core.highest) if core.bounded else setpoints
+    skip, fed = len(stamps) - n, fed_forward(core, within, stamps)
+    edges = [0, *(row + 1 for row in sorted({*anew}) if row + 1 < n), n]
+    for first, last in pairwise(edges):
+        if first:
+            state = fresh(now.gearbox[first - 1], now.speed[first - 1] / now.ratio)
+        _step(_between(core, first, last), fed, stamps, skip + first, state, out[first:last])
+    return out, state
+
+
+def _between(core: Core, first: int, last: int) -> Core:
+    """The loop from row to row."""
+    over_time = {name: one[first:last] for name in LOOP if len(one := getattr(core, name)) > 1}
+    return replace(core, **over_time) if over_time else core
+
+
+def fed_forward(core: Core, setpoints: Array, stamps: Array) -> Array:
+    """What the position loop would have to be asked for (m, columns) to go as one that is told, beside its
+    ``setpoints`` (m, columns) at ``stamps`` (m,), how fast these move.
+    """
+    if not core.feedforward.any():
+        return setpoints
+    share = core.feedforward / core.kp
+    if len(share) > 1:  # what changes in mid-run, of past rows as it is at first
+        past = np.repeat(share[:1], len(stamps) - len(share), axis=0)
+        share = np.concatenate([past, share])
+    fed, first = setpoints.copy(), setpoints[:, :1]
+    alone = first if (setpoints == first).all() else setpoints  # one joint, as several hypotheses have it
+    fed[1:] += (share[1:] if len(share) > 1 else share) * speeds(alone, stamps)
+    return fed
+
+
+def speeds(setpoints: Array, stamps: Array) -> Array:
+    """(m - 1, columns) rad/s at which setpoints (m, columns) came to each but the first. One may stand in
+    several rows: its speed is that from the setpoint before, and lasts until the next one is due.
+    """
+    out = np.zeros_like(setpoints[1:])
+    moved = np.flatnonzero(np.diff(setpoints, axis=0).any(axis=1)) + 1
+    came = np.concatenate([[0], moved])
+    apart = np.diff(stamps[came])
+    if not (apart > 0.0).any():
+        return out
+    period = float(np.median(apart[apart > 0.0]))
+    apart = np.where((apart > 0.0) & (apart < LATE * period), apart, period)  # else it stood before
+    speed = np.diff(setpoints[came], axis=0) / apart[:, None]
+    last = np.searchsorted(moved, np.arange(1, len(stamps)), side="right") - 1
+    lasts = (last >= 0) & (stamps[1:] < stamps[moved[last]] + (1.0 - EARLY) * apart[last])
+    out[lasts] = speed[last[lasts]]
+    return out
+
+
+def _step(core: Core, setpoints: Array, stamps: Array, skip: int, state: Array, out: Array) -> None:
+    """Step the loops, side by side where that pays and nothing of them changes."""
+    numbers = core.kp, core.tau_v, *core.tops, core.delay, core.pull, core.load, core.torque, core.rub
+    reached = np.where(core.rub.any(axis=0), np.maximum(core.reach, np.abs(core.rub).max(axis=0)), 0.0)
+    steady = all(len(one) == 1 for one in (*numbers[:5], core.torque, core.rub, core.cogging))
+    cogging = np.stack(np.broadcast_arrays(core.cogging, *core.teeth))
+    limits = np.stack([core.quickest, core.hardest])
+    least = SEVERAL if core.rub.any() or core.cogging.any() else 2 * SEVERAL
+    if out.shape[1] < least or not steady:
+        kp, tau_v, up, down, delay, pull, load, torque, rub = map(np.ascontiguousarray, numbers)
+        servo_loop(
+            setpoints, stamps, kp, tau_v, up, down, delay, pull, load, torque, rub, reached, core.dead_zone,
+            cogging, limits, core.ahead, skip, state, out,
+        )  # fmt: skip
+        return
+    kp, tau_v, up, down, delay, _, _, torque, rub = (number[0] for number in numbers)
+    pull, load, zone = (np.zeros_like(out) + number for number in (core.pull, core.load, core.dead_zone))
+    cogging = np.ascontiguousarray(cogging[:, 0])
+    servo_loops(
+        setpoints, stamps, kp, tau_v, up, down, delay, pull, load, torque, rub, reached, zone, cogging,
+        limits[:, 0], core.ahead, skip, state, out,
+    )  # fmt: skip
+
+
+def _set(e: Effect, core: Core, now: Now) -> None:
+    """``Effect.adjust`` of a servo's numbers, each in proportion to how much of the effect acts."""
+    before = {name: getattr(core, name) for name in LOOP}
+    e.adjust(core, now)
+    if not lasting.lasts(e):
+        acts = lasting.acting(e, now)
+        for name, number in before.items():
+            if (changed_to := getattr(core, name)) is not number:
+                setattr(core, name, number + acts * (changed_to - number))
+
+
+def _seen(values: float | Array, now: Now) -> Array:
+    """(columns,) of an arm's values, which may be one for all joints."""
+    some = values[list(now.columns)] if isinstance(values, np.ndarray) and now.columns else values
+    return np.full(len(now.ratio), some)
+
+
+def reach(arm: Arm, now: Now) -> Array:
+    """(columns,) rad of the gearbox from the middle of the nominal dead bands to where wires slide."""
+    return np.abs(_seen(arm.dead_band, now) / now.ratio)
