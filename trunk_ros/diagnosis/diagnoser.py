@@ -39,11 +39,12 @@ from trunk_ros.diagnosis.stages.stage import Stage
 from trunk_ros.diagnosis.stages.wire import WireStage
 from trunk_ros.diagnosis.tip.judged import fitted_tip, judged_tip
 from trunk_ros.diagnosis.tip.lasting import lasting_of
-from trunk_ros.diagnosis.verdict.answer import STAGES, Unexplained
+from trunk_ros.diagnosis.verdict.answer import Unexplained
 from trunk_ros.diagnosis.verdict.changes import MODEL, SIMULATION
 from trunk_ros.diagnosis.verdict.findings import left_over, without_a_name
 from trunk_ros.diagnosis.verdict.included import all_findings, names_said
 from trunk_ros.diagnosis.verdict.result import Diagnosis
+from trunk_ros.diagnosis.verdict.together import together
 from trunk_ros.diagnosis.whole_arm import on_the_arm
 from trunk_ros.effect_values import Values, lateness
 from trunk_ros.effects import effect
@@ -126,13 +127,12 @@ class Diagnoser:
 
     def _conclude(self) -> None:
         """What is said of all stages together, and of the recordings."""
-        self.result.findings.sort(key=lambda finding: STAGES.index(finding.stage))
+        self.result.findings = together(self.result.findings, self.model.arm)
         self._say_what_is_mixed_up()
         self._refuse_if_nothing_was_seen()
-        longest = max(r.duration for r in self.recordings)
         judged = {s for s, told in self.result.stages.items() if told["compared"]}
         kept = {n: v for n, v in self.model.effects.items() if effect(n).stage not in judged} | self.effects
-        own = replace(self.model, effects=kept, duration=longest)
+        own = replace(self.model, effects=kept, duration=max(r.duration for r in self.recordings))
         self.result.model = self._with_limits(drawn_from(own, *self.recordings))
         self.result.quality = quality_by_name(self.recordings, self.model, self.mixed, self.result.model)
 

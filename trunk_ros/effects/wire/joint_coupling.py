@@ -34,7 +34,7 @@ class JointCoupling(Effect):
     sizes = ("gain", "gain_2", "gain_3", "drag")
     stage, place, regime = "wire", 30, "posture"
     exact = True
-    begins = True
+    begins = in_coupling = True
     signature = "The residual follows another joint's angle, whether this joint moves or not."
     remembers = True
     source = (

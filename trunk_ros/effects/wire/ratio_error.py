@@ -17,7 +17,7 @@ class RatioError(Effect):
     sizes = ("relative",)
     stage, place, regime = "wire", 10, "posture"
     exact = True
-    begins = of_every_joint = True
+    begins = of_every_joint = in_coupling = True
     changes = "ratio"
     signature = "The residual grows in proportion to the joint angle."
     source = "Ciofu & Stan, sect. 2: transmission ratio R_s/R_c; wear and tolerance of the grooved wheels."
