@@ -46,10 +46,11 @@ def in_steps(setpoint: Array, rate: float = np.inf, hardest: float = np.inf) -> 
 
 def test_a_drive_that_clips_its_setpoints_is_one_that_gets_clipped_ones() -> None:
     stamp, setpoint = asked()
-    limits = {"upper": np.array([0.3, 0.2]), "lower": np.array([-0.1, -0.4]), "form": "both"}
-    clipped = np.clip(setpoint, limits["lower"], limits["upper"])
-    assert np.array_equal(servo(setpoint, stamp, setpoint_limit=limits), servo(clipped, stamp))
-    above = servo(setpoint, stamp, setpoint_limit={"upper": 0.3})
+    upper, lower = np.array([0.3, 0.2]), np.array([-0.1, -0.4])
+    clipped = np.clip(setpoint, lower, upper)
+    limits = {"setpoint_ceiling": {"upper": upper}, "setpoint_floor": {"lower": lower}}
+    assert np.array_equal(servo(setpoint, stamp, **limits), servo(clipped, stamp))
+    above = servo(setpoint, stamp, setpoint_ceiling={"upper": 0.3})
     assert np.array_equal(above, servo(np.minimum(setpoint, 0.3), stamp))
 
 

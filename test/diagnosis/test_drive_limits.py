@@ -23,8 +23,8 @@ def limited(effects: dict[str, Any], seed: int) -> Recording:
 @pytest.mark.parametrize(
     ("name", "values", "at"),
     [
-        ("setpoint_limit", {"upper": np.array([1e4, 0.2, 1e4])}, "elbow"),
-        ("setpoint_limit", {"lower": np.array([-0.15, -1e4, -1e4]), "form": "lower"}, "shoulder"),
+        ("setpoint_ceiling", {"upper": np.array([1e4, 0.2, 1e4])}, "elbow"),
+        ("setpoint_floor", {"lower": np.array([-0.15, -1e4, -1e4])}, "shoulder"),
         ("setpoint_rate", {"rate": 0.5, "form": "drive"}, "wrist"),
         ("setpoint_rate", {"rate": 0.5, "form": "each_setpoint"}, "wrist"),
         ("acceleration_limit", {"acceleration": 6.0}, "arm"),

@@ -84,8 +84,6 @@ def test_at_its_null_it_changes_nothing(name: str, form: str) -> None:
     with_lead_at_null = {**values, lead.name: lead.null if lead.shared else np.full(5, lead.null)}
     if name in ("wire_slack", "wire_stiffening"):
         with_lead_at_null |= {"compliance": np.zeros(5), "payload": 0.0}
-    if form == "both":  # sides
-        with_lead_at_null |= {p.name: np.full(5, p.null) for p in kind.parameters}
     if kind.own_parameters(form)[0].name == "low":
         with_lead_at_null |= {p.name: np.zeros(5) for p in kind.parameters[2:]}
     with_lead_at_null |= {

@@ -111,7 +111,7 @@ def test_servos_of_any_numbers_go_as_simulate_has_them(servo: dict[str, Any]) ->
         ({}, {"velocity_saturation": {"v_max": 2.0}, "uneven_speed": {"excess": np.full(5, -0.2)}}),
         ({}, {"velocity_loop": {"relative": 1.0}, "servo_bandwidth": {"relative": -0.2}}),
         ({"delay": 0.02}, {"servo_delay": {"delay": -0.01}}),
-        ({}, {"setpoint_limit": {"upper": 0.3}}),
+        ({}, {"setpoint_ceiling": {"upper": 0.3}}),
         ({}, {"acceleration_limit": {"acceleration": 6.0}}),
     ],
     ids=[
