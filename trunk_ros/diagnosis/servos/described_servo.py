@@ -56,7 +56,7 @@ def with_its_setpoints(model: Model, recordings: Sequence[Recording], told: Sequ
     others = _told(sampled, recordings)
     if all(is_explained(loop, _but_for_a_lag(loop, numbers)) for loop, numbers in others):
         return sampled
-    nearer = _clearly_nearer(others, told)
+    nearer = _clearly_nearer(others, _early(told))
     return sampled if nearer and _explain_as_much(_left(others, quickly=True), told) else model
 
 
@@ -98,9 +98,13 @@ def _told(model: Model, recordings: Sequence[Recording]) -> list[Told]:
     numbers, out = numbers_of_each(model.arm), []
     for context, column, joint in moved(model, recordings):
         zero = context.whiten_change([np.ones(len(view.span.stamp)) for view in context.views], column)
-        loop = Loop.of(context, column)
-        out.append((replace(loop, beside=zero, low=loop.low * [1, 1, 1, 0, 1] - EARLIEST), numbers[:, joint]))
+        out.append((replace(Loop.of(context, column), beside=zero), numbers[:, joint]))
     return out
+
+
+def _early(told: Sequence[Told]) -> list[Told]:
+    """Loops that may see setpoints before their stamps, which are late then."""
+    return [(replace(loop, low=loop.low - EARLIEST), numbers) for loop, numbers in told]
 
 
 def _in_their_noise(told: Sequence[Told], others: Sequence[Told]) -> list[Told]:
