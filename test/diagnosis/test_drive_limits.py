@@ -40,6 +40,16 @@ def test_it_is_told_by_its_name(name: str, values: dict[str, Any], at: str) -> N
     assert _left(found.model, limited({name: values}, 2)).max() < 3e-4
 
 
+def test_a_servo_of_which_nothing_is_said_is_found_beside_its_limit() -> None:
+    """Its loop had been one that nothing does, with what was left unknown."""
+    upper = {"setpoint_ceiling": {"upper": np.array([1e4, 0.2, 1e4])}}
+    found = diagnose(limited(upper, 1), model="direct")
+    (finding,) = found.findings
+    assert (finding.effect, found.verdict) == ("setpoint_ceiling", "explained")
+    assert found.model.number("kp") == pytest.approx(20.0, rel=0.05)
+    assert _left(found.model, limited(upper, 2)).max() < 5e-4
+
+
 @pytest.mark.parametrize("late", [0.006, 0.02])
 def test_stamps_of_setpoints_that_are_late_are_a_delay_below_nothing(late: float) -> None:
     """They had been a feedforward beside another gain."""

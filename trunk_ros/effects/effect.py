@@ -76,6 +76,8 @@ class Effect(ABC):
     """Its first parameter [s] is the age of the joints' readings; the joints themselves are not late."""
     shifts_readings: ClassVar[bool] = False
     """Its first parameter is a constant in a joint's reading, as where its sensor's zero is off."""
+    clips: ClassVar[int] = 0
+    """1 where it is a drive's largest setpoint, -1 its smallest."""
     in_coupling: ClassVar[bool] = False
     """What it says of a joint, ``wire.coupling`` says as well."""
     changes: ClassVar[str] = ""

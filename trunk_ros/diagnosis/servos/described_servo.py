@@ -25,6 +25,7 @@ from trunk_ros.diagnosis.servos.servo_loop import (
     is_explained,
     numbers_of,
 )
+from trunk_ros.diagnosis.servos.stood_short import clipped
 from trunk_ros.levels import CLEARLY
 from trunk_ros.model import Model
 from trunk_ros.recording.recording import Recording
@@ -94,12 +95,15 @@ def with_its_step(model: Model, recordings: Sequence[Recording], told: Sequence[
 
 
 def _told(model: Model, recordings: Sequence[Recording]) -> list[Told]:
-    """Of each joint that was asked to move, and did; whatever its zero is."""
+    """Of each joint that was asked to move, and did; whatever its zero is. Joints that drives stop short of
+    their setpoints tell only where there are no others: nobody knows yet where exactly.
+    """
     numbers, out = numbers_of_each(model.arm), []
     for context, column, joint in moved(model, recordings):
         zero = context.whiten_change([np.ones(len(view.span.stamp)) for view in context.views], column)
-        out.append((replace(Loop.of(context, column), beside=zero), numbers[:, joint]))
-    return out
+        limited = clipped(context, column)
+        out.append((replace(Loop.of(context, column), clipped=limited, beside=zero), numbers[:, joint]))
+    return [one for one in out if one[0].clipped is None] or out
 
 
 def _early(told: Sequence[Told]) -> list[Told]:

@@ -28,6 +28,7 @@ from trunk_ros.diagnosis.servos.servo_loop import (
     numbers_of,
     with_top,
 )
+from trunk_ros.diagnosis.servos.stood_short import clipped
 from trunk_ros.diagnosis.simulators.against import with_room
 from trunk_ros.diagnosis.stages.servo import ServoStage
 from trunk_ros.effect_values import Values
@@ -203,8 +204,11 @@ def _loop(context: Context, column: int, told: Array) -> tuple[Loop, Array, floa
     """
     loop = Loop.of(context, column)
     numbers, cost = _fitted(loop, told)
-    pulled = [] if is_explained(loop, cost) else Loop.pulled_at(context, column)
-    return _clearest([(loop, numbers, cost), *((other, *_fitted(other, told)) for other in pulled)])
+    if is_explained(loop, cost):
+        return loop, numbers, cost
+    known = clipped(context, column)
+    others = [replace(loop, clipped=known)] if known else Loop.pulled_at(context, column)
+    return _clearest([(loop, numbers, cost), *((other, *_fitted(other, told)) for other in others)])
 
 
 def _clearest(loops: Sequence[tuple[Loop, Array, float]]) -> tuple[Loop, Array, float]:

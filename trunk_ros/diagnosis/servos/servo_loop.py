@@ -53,6 +53,8 @@ class Loop:
     """With the load pulling at the servo, and with what of its torque the drive may feed forward, each by as
     much as leaves least; none: nothing does.
     """
+    clipped: Hypothesis | None = None
+    """What is known, and limits of the drive."""
     beside: Array | None = None
     """(n,) whitened: a change by as much as leaves least, such as another zero."""
 
@@ -99,7 +101,7 @@ class Loop:
         """The same of several, which are stepped side by side."""
         context, stage = self.context, self.context.stage
         assert isinstance(stage, ServoStage)
-        known, out = [context.known, *self.pulled], []
+        known, out = [self.clipped or context.known, *self.pulled], []
         most = max(context.together // len(known), 1)
         for k in range(0, len(some), most):
             numbers = np.repeat(np.column_stack(some[k : k + most]), len(known), axis=1)

@@ -18,6 +18,7 @@ class SetpointCeiling(Effect):
     id = "setpoint_ceiling"
     stage, place, regime = "servo", 100, "posture"
     scalable = False
+    clips = 1
     signature = "Above one angle the gearbox stays where it is while its setpoint goes on."
     source = "Software position limits of drives, such as object 0x607D of CiA 402."
     parameters = (

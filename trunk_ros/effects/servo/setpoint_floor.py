@@ -15,6 +15,7 @@ class SetpointFloor(Effect):
     id = "setpoint_floor"
     stage, place, regime = "servo", 100, "posture"
     scalable = False
+    clips = -1
     signature = "Below one angle the gearbox stays where it is while its setpoint goes on."
     source = "Software position limits of drives, such as object 0x607D of CiA 402."
     parameters = (
