@@ -15,17 +15,19 @@ def _run(loop: Callable[..., Any], period: float) -> Array:
     stamp = np.arange(0.0, 2.0, period)
     load = 0.02 * np.sin(3.0 * stamp)[:, None] * np.array([1.0, -2.0])
     still, one, out = np.zeros_like(load), np.ones(2), np.empty_like(load)
-    state = np.array([[0.0, 0.0], [0.0, 0.0], [0.0, 0.0], [np.nan, np.nan]])
+    state = np.array([[0.0, 0.0], [0.0, 0.0], [0.0, 0.0], [np.nan, np.nan], [np.nan, np.nan]])
     numbers = [np.ascontiguousarray((value * one)[None]) for value in (20.0, 0.02, 9.0, 9.0, 0.0)]
     if loop is servo_loops:
         numbers = [each[0] for each in numbers]
     torque, rub, cogging = 0.0 * one, 0.0 * one, np.zeros((3, 1, 2))
+    limits = np.full((2, 1, 2), np.inf)
     if loop is servo_loop:
         torque, rub = torque[None], rub[None]
     else:
-        cogging = np.ascontiguousarray(cogging[:, 0])
+        cogging, limits = np.ascontiguousarray(cogging[:, 0]), np.ascontiguousarray(limits[:, 0])
     loop(
-        still, stamp, *numbers, still, load, torque, rub, 0.0 * one, still, cogging, 0.5, 0, state, out
+        still, stamp, *numbers, still, load, torque, rub, 0.0 * one, still, cogging, limits, 0.5, 0, state,
+        out,
     )  # fmt: skip
     return out[:: round(0.02 / period)]
 

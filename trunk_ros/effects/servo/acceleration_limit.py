@@ -26,7 +26,7 @@ class AccelerationLimit(Effect):
             "rad/s^2",
             (1e-2, UNLIMITED),
             "largest change of the gearbox's speed",
-            typical=5.0,
+            typical=1.0,
             null=UNLIMITED,
             scale="log",
             shared=True,
