@@ -87,9 +87,7 @@ class Effect(ABC):
     grows: ClassVar[bool] = False
     """It may do so little by little, and no other effect is just that."""
     scalable: ClassVar[bool] = True
-    """The effect grows in proportion to its first parameter's distance from null, so that a linear look
-    finds its size.
-    """
+    """It grows in proportion to its first parameter's distance from null: a linear look finds its size."""
     sizes: ClassVar[tuple[str, ...]] = ()
     """Values to which, counted from their null, what it does is in proportion: they are others where it has
     another size for good.
