@@ -6,6 +6,7 @@ import numpy as np
 
 from trunk_ros.compiled import Array
 from trunk_ros.effects.effect import Effect, Now
+from trunk_ros.levels import HALF, PART
 from trunk_ros.parameter import Parameter
 
 FREE = 100.0  # rad: no stop
@@ -46,10 +47,13 @@ class HardStop(Effect):
         return np.minimum(np.maximum(y, self["lower"]), self["upper"]), None
 
     def credible(self, now: Now, beside: bool = False) -> bool:
-        """Met within the motion, not always, and in its way: or it is no more than another ratio and zero."""
+        """Met within the motion, and in its way, which of most of it is all of its way: or it is no more than
+        another ratio and zero.
+        """
         u = now.gearbox * now.ratio
         met = u > self["upper"] if self.form == "upper" else u < self["lower"]
-        return bool(0.0 < met.mean() < 1.0 and np.all(self["give"] < YIELDING))
+        gives = YIELDING if met.mean() < HALF else PART
+        return bool(0.0 < met.mean() < 1.0 and np.all(self["give"] < gives))
 
     @classmethod
     def own_parameters(cls, form: str) -> tuple[Parameter, ...]:
