@@ -6,7 +6,7 @@ import numpy as np
 
 from trunk_ros.compiled import Array
 from trunk_ros.effects.effect import Effect, Now
-from trunk_ros.levels import HALF, PART
+from trunk_ros.levels import HALF, HARDLY
 from trunk_ros.parameter import Parameter
 
 FREE = 100.0  # rad: no stop
@@ -47,12 +47,12 @@ class HardStop(Effect):
         return np.minimum(np.maximum(y, self["lower"]), self["upper"]), None
 
     def credible(self, now: Now, beside: bool = False) -> bool:
-        """Met within the motion, and in its way, which of most of it is all of its way: or it is no more than
-        another ratio and zero.
+        """Met within the motion, and in its way; of what is met most of the time hardly anything goes on into
+        it: or it is no more than another ratio and zero.
         """
         u = now.gearbox * now.ratio
         met = u > self["upper"] if self.form == "upper" else u < self["lower"]
-        gives = YIELDING if met.mean() < HALF else PART
+        gives = YIELDING if met.mean() < HALF else HARDLY
         return bool(0.0 < met.mean() < 1.0 and np.all(self["give"] < gives))
 
     @classmethod
