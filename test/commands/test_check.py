@@ -45,6 +45,20 @@ def test_numbers_of_the_servo_that_a_file_does_not_give_are_said_to_be_trunks(
     assert "not given" not in capsys.readouterr().out
 
 
+def test_of_joints_that_several_motors_move_it_is_said_which_do(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    wrist = ARM.replace("ratio: {ratio}", "coupling: [0.5, 0.25, 0.0, -1.5]")
+    (tmp_path / "arm.yaml").write_text(wrist.format(arm="joints: [pitch, yaw]"))
+    (tmp_path / "named.yaml").write_text(wrist.format(arm="joints: [pitch, yaw]") + "      motors: [m1, m2]\n")
+    assert main(["check", str(tmp_path / "arm.yaml")]) == 0
+    assert "pitch  0.5 pitch + 0.25 yaw" in capsys.readouterr().out
+    assert main(["check", str(tmp_path / "named.yaml")]) == 0
+    said = capsys.readouterr().out
+    assert "pitch  0.5 m1 + 0.25 m2" in said
+    assert "yaw    -1.5 m2 " in said
+
+
 def test_limits_beyond_a_turn_are_asked_about(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     asked = "limits of a are beyond a turn: are these rad, not degrees?"
     arm = "joints: [a, b]\n      lower: [-3.0, -3.0]\n      upper: "

@@ -99,12 +99,12 @@ def of_model(model: Model, given: dict[str, Any]) -> list[str]:
     from trunk_ros.units import sized
 
     arm = model.arm
-    rows = [("joint", "ratio", "backlash", "limits")]
+    rows = [("joint", "ratio" if arm.coupling is None else "of the motors", "backlash", "limits")]
     for j, joint in enumerate(arm.joints):
         low, high, unit = float(arm.lower[j]), float(arm.upper[j]), arm.units.get(joint, "rad")
         limits = f"{low:+.3f} … {high:+.3f} {unit}" if max(-low, high) < ANY_ANGLE else "none"
         name = "any joint" if model.any_joints else joint
-        rows.append((name, f"{arm.ratio[j]:.6g}", sized(float(arm.dead_band[j]), unit), limits))
+        rows.append((name, _moved_by(arm, j), sized(float(arm.dead_band[j]), unit), limits))
     effects = [f"effect {name}: {_said(values)}" for name, values in model.in_order()]
     return [
         *columns(rows),
@@ -114,6 +114,14 @@ def of_model(model: Model, given: dict[str, Any]) -> list[str]:
         *(effects or ["effects: none"]),
         *_wide(arm),
     ]
+
+
+def _moved_by(arm: Arm, j: int) -> str:
+    """The ratio of joint ``j``, or which motors move it, and how far."""
+    if arm.coupling is None:
+        return f"{arm.ratio[j]:.6g}"
+    parts = zip(arm.coupling[j].tolist(), arm.motors or arm.joints, strict=True)
+    return " + ".join(f"{part:.6g} {motor}" for part, motor in parts if part).replace("+ -", "- ")
 
 
 def _wide(arm: Arm) -> list[str]:
