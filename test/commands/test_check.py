@@ -50,7 +50,9 @@ def test_of_joints_that_several_motors_move_it_is_said_which_do(
 ) -> None:
     wrist = ARM.replace("ratio: {ratio}", "coupling: [0.5, 0.25, 0.0, -1.5]")
     (tmp_path / "arm.yaml").write_text(wrist.format(arm="joints: [pitch, yaw]"))
-    (tmp_path / "named.yaml").write_text(wrist.format(arm="joints: [pitch, yaw]") + "      motors: [m1, m2]\n")
+    (tmp_path / "named.yaml").write_text(
+        wrist.format(arm="joints: [pitch, yaw]") + "      motors: [m1, m2]\n"
+    )
     assert main(["check", str(tmp_path / "arm.yaml")]) == 0
     assert "pitch  0.5 pitch + 0.25 yaw" in capsys.readouterr().out
     assert main(["check", str(tmp_path / "named.yaml")]) == 0

@@ -66,6 +66,19 @@ def test_motors_that_repeat_their_readings_are_no_mismatch_and_it_is_said(clean:
     assert (found.verdict, found.findings) == ("no_mismatch", [])
 
 
+def test_of_repeats_it_is_said_what_they_look_like_in_what_the_recording_shows() -> None:
+    """Where no joints were recorded, old readings of motors are no joints that are early."""
+    held = _held(recorded(seconds=30.0, nominal=SHORT, size=2.0), "gearbox_states")
+    servos = replace(held, series={k: v for k, v in held.series.items() if k != "joint_states"})
+    wires = replace(held, series={k: v for k, v in held.series.items() if k != "setpoints"})
+    both, servo, wire = (clocks_put_right(one, SHORT).observed[0] for one in (held, servos, wires))
+    assert servo.looks_like == ("servo_delay",)
+    assert "shows as a delay of the servos. It would have looked like servo_delay" in servo.statement
+    assert "shows as joints that are early. " in wire.statement
+    assert "servo_delay" not in wire.looks_like
+    assert {*both.looks_like} == {*servo.looks_like, *wire.looks_like}
+
+
 def test_both_topics_may_repeat_their_readings(clean: Recording) -> None:
     right = clocks_put_right(_held(clean, "gearbox_states", "joint_states"), SHORT)
     assert {one.topic for one in right.observed} == set(TOLD.values())

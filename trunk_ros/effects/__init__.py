@@ -9,7 +9,7 @@ import importlib.util
 import os
 import pkgutil
 import sys
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from functools import cache
 from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
@@ -74,9 +74,12 @@ def confused(name: str) -> dict[str, str]:
     return pairs
 
 
-def imitated(kind: str) -> tuple[str, ...]:
-    """The effects that something which clocks or sensors do looks like; those without a name last."""
+def imitated(kind: str, stages: Collection[str] = ()) -> tuple[str, ...]:
+    """The effects that something which clocks or sensors do looks like, in some stages if any are given;
+    those without a name last.
+    """
     those = [effect for effect in registry().values() if kind in effect.imitated_by]
+    those = [effect for effect in those if not stages or effect.stage in stages]
     return tuple(effect.id for effect in sorted(those, key=lambda effect: not effect.named))
 
 

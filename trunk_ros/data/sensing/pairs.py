@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import replace
 
 import numpy as np
@@ -41,10 +42,12 @@ def seen(recording: Recording, observed: Observed, **series: JointSeries) -> Rec
 
 def told(
     kind: str, where: tuple[str, tuple[str, ...]], value: float, std: float | None, unit: str, said: str,
-    advice: str = "", corrected: bool = True,
+    advice: str = "", corrected: bool = True, stages: Collection[str] = (),
 ) -> Observed:  # fmt: skip
-    """What was observed on a topic and some of its joints (``where``), with what it looks like."""
-    looks = imitated(kind)
+    """What was observed on a topic and some of its joints (``where``), with what it looks like, in some
+    ``stages`` if it is not seen in others.
+    """
+    looks = imitated(kind, stages)
     would = "It would have looked like" if corrected else "It may look like"
     statement = ". ".join(filter(None, (said, f"{would} {listed(looks, 'or')}", advice)))
     return Observed(kind, *where, value, std, unit, corrected, looks, statement)

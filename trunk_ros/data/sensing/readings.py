@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -75,27 +75,37 @@ def read_when(recording: Recording, model: ArmModel) -> Recording:
     """Readings of joints, then of motors, that are repeated until the next ones come, at the times at which
     they were read.
     """
-    for key, age in (("joint_states", "a delay of the sensor"), ("gearbox_states", "joints that are early")):
+    for key in ("joint_states", "gearbox_states"):
         series = recording.series.get(key)
         if series is None or len(series.stamp) < 2:
             continue
         shown = recording.series.get("joint_states")
         new, held = new_readings(series) if series is shown else new_motor_readings(series, shown)
         if held:
-            recording = seen(recording, _repeating(key, series, new, held, age), **{key: new})
+            ages = {"wire": "a delay of the sensor"} if series is shown else _ages(recording)
+            recording = seen(recording, _repeating(key, series, new, held, ages), **{key: new})
     return recording
 
 
-def _repeating(key: str, series: JointSeries, new: JointSeries, held: float, age: str) -> Observed:
+def _ages(recording: Recording) -> dict[str, str]:
+    """What motor readings that are old look like, by the stages that a recording shows."""
+    ages = {"wire": "joints that are early", "servo": "a delay of the servos"}
+    topics = {"wire": "joint_states", "servo": "setpoints"}
+    return {stage: age for stage, age in ages.items() if topics[stage] in recording.series} or ages
+
+
+def _repeating(
+    key: str, series: JointSeries, new: JointSeries, held: float, ages: Mapping[str, str]
+) -> Observed:
     """What is said of a topic that holds each of its readings, of which the ``new`` ones are kept."""
     period, topic = float(np.median(np.diff(new.stamp))), TOPICS[key]
     turns = ". Joints are read in turn: others are interpolated to the times of one" * in_turn(series, held)
     said = (
         f"{topic} repeats each reading until the next one comes, every {1e3 * period:.1f} ms: repeats are "
         "left out, and each reading has the time of its first message, less what it waited for that. How "
-        f"old a reading is when it comes shows as {age}{turns}"
+        f"old a reading is when it comes shows as {' and '.join(ages.values())}{turns}"
     )
-    return told("repeats", (topic, new.joints), period, None, "s", said)
+    return told("repeats", (topic, new.joints), period, None, "s", said, stages=ages.keys())
 
 
 def without_tones(recording: Recording, model: ArmModel) -> Recording:

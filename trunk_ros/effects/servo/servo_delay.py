@@ -38,7 +38,7 @@ class ServoDelay(Effect):
     everywhere = begins = True
     changes = "delay"
     compensable = False
-    imitated_by = ("thinned", "wandering_latency")
+    imitated_by = ("thinned", "wandering_latency", "repeats")
     confused_with = (
         ("servo_bandwidth", "step the setpoint: a delay does nothing at first, a slow loop starts at once"),
     )
