@@ -73,6 +73,13 @@ def formed_misfits(first: Fit) -> dict[int, float]:
     return {c: min(left[c], prompt[c]) for c in left} if late else left
 
 
+def of_names(context: Context, column: int) -> float:
+    """Squared unit-noise residual of a column by which the formulas of names may be off. Loops of servos have
+    none: they are integrated, and what is wrong with one goes with its lag.
+    """
+    return 0.0 if context.stage.name == "servo" else FORMULAS * context.formed_misfit.get(column, 0.0)
+
+
 def off_by(context: Context, column: int) -> float:
     """Squared unit-noise residual of a column by which the model's own laws may be off."""
     if column not in context.off:

@@ -46,8 +46,8 @@ def as_it_runs(model: Model, recordings: Sequence[Recording]) -> Model:
 def with_its_setpoints(model: Model, recordings: Sequence[Recording], told: Sequence[Told]) -> Model:
     """A model that says its servos, with setpoints that are samples of what moves on between them, where it
     does not say what they are, and its loops then go as told, or those that effects can make of them,
-    ``told``, are clearly nearer to the shafts, and about as near as other velocity loops would be: samples
-    look like servos that are quicker, by half of the time between two of them.
+    ``told``, are clearly nearer to the shafts, and about as near as other velocity loops and late stamps
+    would be: samples look like servos that are quicker, by half of the time between two of them.
     """
     if model.setpoints_stated or model.setpoints == SAMPLED:
         return model
@@ -57,7 +57,7 @@ def with_its_setpoints(model: Model, recordings: Sequence[Recording], told: Sequ
     others = _told(sampled, recordings)
     if all(is_explained(loop, _but_for_a_lag(loop, numbers)) for loop, numbers in others):
         return sampled
-    nearer = _clearly_nearer(others, _early(told))
+    nearer = _clearly_nearer(others, told) and not _clearly_nearer(_early(told), others)
     return sampled if nearer and _explain_as_much(_left(others, quickly=True), told) else model
 
 
