@@ -25,8 +25,6 @@ def limited(effects: dict[str, Any], seed: int) -> Recording:
     [
         ("setpoint_ceiling", {"upper": np.array([1e4, 0.2, 1e4])}, "elbow"),
         ("setpoint_floor", {"lower": np.array([-0.15, -1e4, -1e4])}, "shoulder"),
-        ("setpoint_rate", {"rate": 0.5, "form": "drive"}, "wrist"),
-        ("setpoint_rate", {"rate": 0.5, "form": "each_setpoint"}, "wrist"),
         ("acceleration_limit", {"acceleration": 6.0}, "arm"),
     ],
 )
@@ -34,7 +32,7 @@ def test_it_is_told_by_its_name(name: str, values: dict[str, Any], at: str) -> N
     found = diagnose(limited({name: values}, 1), model=_stated())
     (finding,) = found.findings
     assert (finding.effect, found.verdict) == (name, "explained")
-    lead = next(key for key in values if key != "form")
+    (lead,) = values
     size = values[lead] if np.ndim(values[lead]) == 0 else values[lead][np.abs(values[lead]) < 1e3][0]
     assert finding.parameters[at][lead]["value"] == pytest.approx(size, rel=0.02)
     assert _left(found.model, limited({name: values}, 2)).max() < 3e-4

@@ -15,7 +15,7 @@ from trunk_ros.diagnosis.search.candidates import Candidate, extended, local_kin
 from trunk_ros.diagnosis.search.fit import Fit, costed, fit
 from trunk_ros.effects import effect
 from trunk_ros.guards import ROUNDED
-from trunk_ros.levels import CLEARLY, FAR_OFF, HALF, PART, ROUGH, SEVERAL, SLIGHT, THREEFOLD
+from trunk_ros.levels import CLEARLY, FAR_OFF, HALF, PART, SEVERAL, SLIGHT
 from trunk_ros.machine import pieces
 
 FORMULAS = 0.001
@@ -71,14 +71,6 @@ def formed_misfits(first: Fit) -> dict[int, float]:
     prompt = {c: _right_line(context, c, rest - lag * line[:, 2], line) for c, (rest, line) in seen.items()}
     late = sum(prompt.values()) < PART * sum(left.values())
     return {c: min(left[c], prompt[c]) for c in left} if late else left
-
-
-def of_names(context: Context, column: int) -> float:
-    """Squared unit-noise residual of a column by which the formulas of names may be off. Those of servos are
-    loops, and off by no more than they are integrated: what is wrong with one goes with its lag.
-    """
-    share = (THREEFOLD * ROUGH) ** 2 if context.stage.name == "servo" else FORMULAS
-    return share * context.formed_misfit.get(column, 0.0)
 
 
 def off_by(context: Context, column: int) -> float:

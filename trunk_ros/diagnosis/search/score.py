@@ -14,7 +14,7 @@ from trunk_ros.diagnosis.disturbances.thrown import rests, room, throws
 from trunk_ros.diagnosis.hypothesis import Free, Hypothesis, Term
 from trunk_ros.diagnosis.search.credible import unshown
 from trunk_ros.diagnosis.search.fit import Fit
-from trunk_ros.diagnosis.search.formed import FORMULAS, of_names, off_by
+from trunk_ros.diagnosis.search.formed import FORMULAS, off_by
 from trunk_ros.diagnosis.stages.stage import STANDING
 from trunk_ros.effects import effect, registry
 from trunk_ros.effects.curve import Curve
@@ -83,7 +83,8 @@ def _least_need(context: Context, column: int) -> float:
     stage, noise = context.stage, context.noise[column]
     steps, own = context.resolution[column] / noise.std, stage.steps[column] / noise.std
     least = context.count(column) * max(RELEVANT, STANDING * steps**2, PART * own**2)
-    return max(SIGNIFICANT * chance(context, column), least, of_names(context, column))
+    formulas = FORMULAS * context.formed_misfit.get(column, 0.0)
+    return max(SIGNIFICANT * chance(context, column), least, formulas)
 
 
 def choice(among: int) -> float:
@@ -232,9 +233,10 @@ def _usual(fit: Fit) -> float:
     mean, each joint counting by what is to explain of it: what explains one joint is not cheaper on all.
     """
     context = fit.context
-    off = np.array([of_names(context, c) for c in context.columns])
+    misfits = np.array([context.formed_misfit.get(c, 0.0) for c in context.columns])
+    most = float(misfits @ misfits) / max(float(misfits.sum()), ROUNDED)
     usual = float(np.median([need(context, c, fit.rest(c)) for c in context.columns]))
-    return max(usual, float(off @ off) / max(float(off.sum()), ROUNDED))
+    return max(usual, FORMULAS * most)
 
 
 def _throws(fit: Fit) -> float:

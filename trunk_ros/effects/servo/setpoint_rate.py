@@ -45,6 +45,7 @@ class SetpointRate(Effect):
     everywhere = True
     view = View("time", window=6.0)
     compensable = False
+    tried = False  # a top speed and a delay leave little more than one, and it little more than they do
     confused_with = (
         (
             "velocity_saturation",
