@@ -270,10 +270,10 @@ class Chain:
         at_joints = self.arm.driven
         past, asked, start, hung = state.core if state else (stamp[:0], x[:0], fresh(x[0]), None)
         old, new, last = state.blocks if state else {}, Memory(), at_joints(state.x) if state else None
-        phi = np.broadcast_to(start[0], x.shape)
-        x = through(x, self.order.path, self._look(stamp, at_joints(phi), last, state, given), old, new)
+        phi, passes, settled = np.broadcast_to(start[0], x.shape), Passes(state), False
+        if self.order.path:
+            x = through(x, self.order.path, self._look(stamp, at_joints(phi), last, state, given), old, new)
         stamps, setpoints = np.concatenate([past, stamp]), np.ascontiguousarray(np.concatenate([asked, x]))
-        passes, settled = Passes(state), False
         while not settled:
             now = self._look(stamp, at_joints(phi), last, state, given)
             angles, hangs = self._hanging(phi, stamp, hung, given)

@@ -11,7 +11,7 @@ import pytest
 
 from test.diagnosis.arms import SHORT, TRUNK, diagnose, of_the_servos, of_the_wires, recorded, reshaped
 from trunk_ros.compiled import Array
-from trunk_ros.data.spectrum import comes_back, spectrum
+from trunk_ros.data.spectrum import repeats_in, spectrum
 from trunk_ros.diagnosis import Diagnosis
 from trunk_ros.diagnosis.discrepancy.curves import Place, with_curve
 from trunk_ros.diagnosis.discrepancy.jumps import jumps, moved_by, turns_of
@@ -178,8 +178,8 @@ def test_what_swings_as_often_as_a_motion_repeats_may_be_of_the_motion(period: f
     places = 0.3 * np.cumsum(NOISE.normal(size=8))
     cycle = np.interp(stamp % 8.0, np.arange(9.0), np.append(places, places[0]))
     alone = 0.3 * np.sin(0.9 * stamp) + 0.2 * np.sin(0.37 * stamp)
-    assert comes_back(np.column_stack([alone, cycle]), stamp, period, KNOTS) == again
-    assert not comes_back(alone[:, None], stamp, period, KNOTS)
+    assert repeats_in(np.column_stack([alone, cycle]), stamp, period, KNOTS) == again
+    assert not repeats_in(alone[:, None], stamp, period, KNOTS)
 
 
 def test_a_swing_is_said_to_come_without_the_motion_only_where_that_shows() -> None:

@@ -37,7 +37,7 @@ def spectrum(stamp: Array, residual: Array) -> tuple[float, float]:
     return float(best.x), float(-best.fun)
 
 
-def comes_back(motion: Array, stamp: Array, period: float, parts: int) -> bool:
+def repeats_in(motion: Array, stamp: Array, period: float, parts: int) -> bool:
     """Whether one of motors (n, motors) goes through the same at ``stamp`` (n,) s again and again, in a
     period or a few of them, looked at in so many ``parts``: what swings with that may be of the motion as
     well as of time.

@@ -13,7 +13,7 @@ import pytest
 from test.diagnosis.search.looks import context, fitted
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
 from trunk_ros.diagnosis.resources.work import Work
-from trunk_ros.diagnosis.search import greedy
+from trunk_ros.diagnosis.search import descent, greedy
 from trunk_ros.diagnosis.search.descent import (
     COARSE,
     LARGE,
@@ -343,7 +343,7 @@ def test_what_a_new_effect_hides_is_put_right_and_all_else_left_to_the_search(
     now, steps = fitted("backlash"), list[Fit]()
     worse = Fit(now.hypothesis, {c: 2.0 * cost for c, cost in now.cost.items()}, now.context)
     monkeypatch.setattr(add, "_hides", lambda name, fit: not steps)
-    monkeypatch.setattr(add, "first_that_pays", lambda fit, *_: steps.append(fit) or (add.ADD, fit))
+    monkeypatch.setattr(descent, "first_that_pays", lambda fit, *_: steps.append(fit) or (add.ADD, fit))
     assert add.shown_again(worse, Desk(), now, "backlash") is now
     assert steps == [now]
     assert add.shown_again(now, Desk(), worse, "backlash") is worse

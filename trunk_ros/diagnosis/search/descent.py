@@ -39,10 +39,9 @@ class Group:
 @dataclass(frozen=True)
 class Move:
     """One kind of change. ``grows``: it explains something new, so that the arm is looked at again.
-    ``cheap``: its trials are few, or on one joint. ``settles``: it finds out how an effect is what it is,
-    and when. ``resort``: it waits until no other one gains much. ``descends``: its trials
-    take steps of their own, so that what they gain depends on what a step has to.
-    """
+    ``cheap``: its trials are few, or on one joint. ``settles``: it finds out how an effect is what it is, and
+    when. ``resort``: it waits until no other one gains much. ``descends``: its trials take steps of their
+    own, and gain by what a step has to."""
 
     name: str
     groups: Callable[[Fit, Desk], Iterator[Group]]
@@ -149,7 +148,6 @@ class Desk:
 def descend(best: Fit, moves: Sequence[Move], desk: Desk, steady: bool = False) -> Fit:
     """The best hypothesis that single changes lead to; after each the arm is looked at again. ``steady``:
     what is only noise that wanders is told from physics on the way.
-
     Changes that gain a small share of what is left wait until none gains more: what is still missing would
     make them anew, or make them up. For the same reason the largest effects are put in before anything is
     bent to do without them.
@@ -215,14 +213,16 @@ def _in_turn(move: Move, share: float) -> bool:
     return move.grows and not move.resort if share == LARGE else not move.resort or share < COARSE[0]
 
 
-def descend_with(best: Fit, moves: Sequence[Move], desk: Desk, goal: float = np.inf) -> Fit:
-    """A few steps that have to follow a change before it is judged, in what was seen before.
-
-    What gains little is left to the search of ``desk``. What that tried in vain is not tried again, nor what
-    by its promise would not bring the score to a ``goal``.
+def descend_with(
+    best: Fit, moves: Sequence[Move], desk: Desk, goal: float = np.inf,
+    lacks: Callable[[Fit], bool] = lambda _: True,
+) -> Fit:  # fmt: skip
+    """A few steps that have to follow a change before it is judged, in what was seen before, while it
+    ``lacks`` something. What gains little is left to the search of ``desk``; what that tried in vain is not
+    tried again, nor what by its promise would not bring the score to a ``goal``.
     """
     desk = Desk(share=desk.inner_share, goal=goal, vain=desk.vain)
-    while (better := first_that_pays(best, moves, desk)) is not None:
+    while lacks(best) and (better := first_that_pays(best, moves, desk)) is not None:
         best = better[1]
         desk.stands_on(best)
     return best

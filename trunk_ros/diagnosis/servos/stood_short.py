@@ -16,16 +16,17 @@ def clipped(context: Context, column: int) -> Hypothesis | None:
     """What the model knows with limits of a joint's drive where its shaft stood short of its setpoints; None
     where it nowhere did. A loop without a limit turns back where it is asked to.
     """
+    asked = np.concatenate([view.span.source[:, column] for view in context.views])
+    went = np.concatenate([view.span.gearbox[:, column] for view in context.views])
+    kinds = [k for k in usable(context) if k.clips and _short(k.clips * asked, k.clips * went)]
+    if not kinds:
+        return None
     out, begin = context.known, Starts(context, context.known, [column])
-    asked, went = (np.concatenate([getattr(view.span, name)[:, column] for view in context.views])
-                   for name in ("source", "gearbox"))  # fmt: skip
-    for kind in (k for k in usable(context) if k.clips):
-        if _short(kind.clips * asked, kind.clips * went):
-            start = min(
-                begin.on(kind, kind.forms[0], column), key=lambda s: _off(s, kind.clips * went, kind.clips)
-            )
-            out = extended(context, out, Candidate(kind.id, kind.forms[0], column, start))
-    return None if out is context.known else out
+    for kind in kinds:
+        starts = begin.on(kind, kind.forms[0], column)
+        start = min(starts, key=lambda s: _off(s, kind.clips * went, kind.clips))
+        out = extended(context, out, Candidate(kind.id, kind.forms[0], column, start))
+    return out
 
 
 def _short(asked: Array, went: Array) -> bool:

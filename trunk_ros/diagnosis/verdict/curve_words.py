@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from trunk_ros.data.spectrum import comes_back
+from trunk_ros.data.spectrum import repeats_in
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.hypothesis import Term
 from trunk_ros.effects.curve import HIGH, KNOTS, LOW, ON, SPEED_OF, VALUES, Curve, words_of
@@ -72,7 +72,7 @@ def statement(context: Context, kind: type[Curve], term: Term, where: str) -> st
 def _moves_alike(context: Context, column: int, period: float) -> bool:
     """Whether a motor repeats its motion as often as a column's residual swings."""
     span = context.views[context.telling(column)[0]].span
-    return comes_back(span.measured(span.source), span.stamp, period, KNOTS)
+    return repeats_in(span.measured(span.source), span.stamp, period, KNOTS)
 
 
 def told(context: Context, kind: type[Curve], term: Term) -> dict[str, Any]:

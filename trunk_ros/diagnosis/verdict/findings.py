@@ -62,10 +62,8 @@ def _finding(context: Context, term: Term, found: Evidence, std: Spreads, told: 
     if issubclass(kind, Curve):
         variable = curve_words.variable_of(term, term.columns[0])
         varies, regime = [*kind.also, *words_of(variable)], curve_words.regime_of(kind, variable)
-        statement, curve = (
-            curve_words.statement(context, kind, term, where),
-            curve_words.told(context, kind, term),
-        )
+        statement = curve_words.statement(context, kind, term, where)
+        curve = curve_words.told(context, kind, term)
     elif issubclass(kind, Bank):
         parameters = bank_words.parameters(context, kind, term) if kind.named else {}
         varies, regime = bank_words.varies_with(term), kind.regime

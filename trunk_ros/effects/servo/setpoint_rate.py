@@ -8,7 +8,7 @@ from trunk_ros.compiled import Array, compiled
 from trunk_ros.effects.core import Core
 from trunk_ros.effects.effect import Effect, Now
 from trunk_ros.effects.now import View
-from trunk_ros.effects.servo.velocity_saturation import STEADY
+from trunk_ros.effects.servo.velocity_saturation import speeds_seen
 from trunk_ros.parameter import Parameter
 
 UNLIMITED = 1e3  # rad/s
@@ -73,12 +73,7 @@ class SetpointRate(Effect):
     def grid(
         self, parameter: Parameter, now: Now, column: int, rest: Array | None = None
     ) -> tuple[float, ...]:
-        speed = np.abs(now.speed[:, column] / now.ratio[column])
-        fast = float(speed.max())
-        steady = float(np.median(speed[speed >= STEADY * fast]))
-        return tuple(
-            max(start, 2e-3) for start in (steady, *(share * fast for share in (0.995, 0.97, 0.85, 0.7)))
-        )
+        return speeds_seen(now, column)
 
 
 @compiled

@@ -60,12 +60,15 @@ class VelocitySaturation(Effect):
     def grid(
         self, parameter: Parameter, now: Now, column: int, rest: Array | None = None
     ) -> tuple[float, ...]:
-        speed = np.abs(now.speed[:, column] / now.ratio[column])
-        fast = float(speed.max())
-        steady = float(np.median(speed[speed >= STEADY * fast]))
-        return tuple(
-            max(start, 2e-3) for start in (steady, *(share * fast for share in (0.995, 0.97, 0.85, 0.7)))
-        )
+        return speeds_seen(now, column)
+
+
+def speeds_seen(now: Now, column: int) -> tuple[float, ...]:
+    """Speeds [rad/s] of a shaft that may be as fast as it is let: the one that it keeps, and near its top."""
+    speed = np.abs(now.speed[:, column] / now.ratio[column])
+    fast = float(speed.max())
+    steady = float(np.median(speed[speed >= STEADY * fast]))
+    return tuple(max(seen, 2e-3) for seen in (steady, *(share * fast for share in (0.995, 0.97, 0.85, 0.7))))
 
 
 def _instead(v_max: Any, other: Array) -> Any:

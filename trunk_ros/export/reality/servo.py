@@ -6,6 +6,7 @@ import numpy as np
 
 from trunk_ros.arm_model import ArmModel
 from trunk_ros.compiled import Array, compiled
+from trunk_ros.effects.core import up_and_down
 from trunk_ros.effects.effect import Effect
 from trunk_ros.effects.filters import lag_step, oscillator
 from trunk_ros.effects.wire.play import SharpPlay
@@ -38,7 +39,7 @@ class Servo:
         nominal = np.where(core.uneven == 0.0, np.inf, arm.v_max)  # what is even is the simulator's matter
         top = np.where(np.isfinite(core.v_max), core.v_max, nominal)
         led = np.ravel(core.quickest)
-        ways = top * (1.0 + core.uneven), top * (1.0 - core.uneven)
+        ways = up_and_down(top, core.uneven)
         up, down = (spread(np.minimum(np.ravel(way), led)) for way in ways)
         self.fastest = up, down
         self.bounds = (

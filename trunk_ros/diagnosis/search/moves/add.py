@@ -18,7 +18,7 @@ from trunk_ros.diagnosis.search.candidates import (
     open_kinds,
 )
 from trunk_ros.diagnosis.search.credible import hidden, unshown
-from trunk_ros.diagnosis.search.descent import Desk, Group, Move, descend_with, first_that_pays, of
+from trunk_ros.diagnosis.search.descent import Desk, Group, Move, descend_with, of
 from trunk_ros.diagnosis.search.fit import Fit, change, refit, refit_column
 from trunk_ros.diagnosis.search.moves.drop import DROP
 from trunk_ros.diagnosis.search.moves.event import EVENT
@@ -237,11 +237,7 @@ def shown_again(best: Fit, desk: Desk, trial: Fit, name: str) -> Fit:
     """
     if priced(trial) >= score(best):
         return trial
-    moves, desk = (SWAP_ALL, SWAP_MANY, DROP), Desk(share=desk.inner_share, vain=desk.vain)
-    while _hides(name, trial) and (better := first_that_pays(trial, moves, desk)) is not None:
-        trial = better[1]
-        desk.stands_on(trial)
-    return trial
+    return descend_with(trial, (SWAP_ALL, SWAP_MANY, DROP), desk, lacks=partial(_hides, name))
 
 
 def _hides(name: str, now: Fit) -> bool:
