@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -20,6 +20,8 @@ from trunk_ros.effects.wire.play import SharpPlay
 SENSOR = 700  # wire effects from this place on change the reading, not the joint
 
 Memory = dict[str, Any]
+Lies = Callable[[Array, Array | None, Core], Any]
+"""The memory with which a friction element begins, of what comes to it (n, columns), times (columns,)."""
 
 
 @dataclass
@@ -87,28 +89,37 @@ class Order:
 
 
 def wire_pass(
-    x: Array, now: Now, order: Order, core: Core, state: State | None
+    x: Array, now: Now, order: Order, core: Core, state: State | None, lies: Lies | None = None
 ) -> tuple[Array, Array, State]:
     """Gearbox angle (n, columns) to joint reading, and to the joint's own angle before the sensor."""
     old, new = state.blocks if state else {}, Memory()
-    u, memory = friction(x, now, order, core, state.core if state else None, old, new)
+    u, memory = friction(x, now, order, core, state.core if state else None, old, new, lies)
     true = through(u, order.after, now, old, new)
     shown = through(true, order.sensor, now, old, new)
     return shown, true, State(float(now.stamp[-1]), x[-1], true[-1], new, memory)
 
 
 def friction(
-    x: Array, now: Now, order: Order, core: Core, state: Any, old: Memory, new: Memory
+    x: Array,
+    now: Now,
+    order: Order,
+    core: Core,
+    state: Any,
+    old: Memory,
+    new: Memory,
+    lies: Lies | None = None,
 ) -> tuple[Array, Any]:
     """What the wire hands on to the joint, (n, columns) rad, and the friction element's memory; ``x``:
-    gearbox angles, likewise.
+    gearbox angles, likewise. ``lies``: with which memory it begins.
     """
     adjusted(core, order, now, old, new)
     aside = np.ndim(core.middle) > 0
     if core.rounding is None and not order.path and not aside:
+        state = lies(x, now.ratio, core) if lies else state
         return SharpPlay().run(x, core.width, state, now.ratio)
     u = through(_at_the_joint(x, now.ratio), order.path, now, old, new)
     u = u + core.middle if aside else u
+    state = lies(u, None, core) if lies else state
     moved: tuple[Array, Any] = (core.rounding or SharpPlay()).run(u, core.width, state)
     return moved
 

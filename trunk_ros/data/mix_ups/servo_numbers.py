@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from trunk_ros.arm.arm import STEP
 from trunk_ros.arm_model import ArmModel
 from trunk_ros.compiled import Array
 from trunk_ros.data.align import servo_joints
@@ -112,10 +113,15 @@ def _looked(recording: Recording, model: ArmModel) -> _Look | None:
 
 def _mixed(model: ArmModel, many: int) -> Iterator[tuple[Unit, ...]]:
     """Units that as many numbers of the model could have."""
-    could = [unit for unit in UNITS if unit.read(model) is not model]
+    could = [unit for unit in UNITS if (read := unit.read(model)) is not model and _can_be(read)]
     for some in combinations(could, many):
         if len({unit.name for unit in some}) == many:
             yield some
+
+
+def _can_be(model: ArmModel) -> bool:
+    """Whether loops are no faster than the steps they are computed in: no servo is, and it would take long."""
+    return bool(np.all(np.asarray(model.arm.kp) * STEP <= 1.0))
 
 
 def _said(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -12,7 +12,7 @@ from trunk_ros.effects.core import Core
 from trunk_ros.effects.effect import Now
 from trunk_ros.effects.wire.play import SharpPlay
 from trunk_ros.levels import TURNS
-from trunk_ros.stage import Memory, Order, State, adjusted, through
+from trunk_ros.stage import Memory, Order, adjusted, through
 
 
 class Read(NamedTuple):
@@ -32,23 +32,32 @@ class Read(NamedTuple):
         )
 
 
-def begun(seen: Now, order: Order, width: Array, read: Read, rows: list[int] | slice) -> State:
-    """The state in which the friction element shows what was measured, as far as its play lets it, while
-    nothing had moved what comes to it; of a sharp play as long as that holds the joint. ``seen``: the
-    surroundings while the motor stood, of which ``rows`` (k,) count: what swings is computed at each step.
+def begun(seen: Now, order: Order, width: Array, read: Read, rows: list[int] | slice) -> Any:
+    """As ``held``, by what comes to the element in the ``seen`` surroundings while the motor stood, of which
+    ``rows`` (k,) count: what swings is computed at each step.
     """
     core, memory = Core(nominal_width=width, width=width), Memory()
     adjusted(core, order, seen, {}, memory)
     u = through(seen.gearbox * seen.ratio, order.path, seen, {}, memory) + core.middle
-    element = core.rounding or SharpPlay()
-    moved, _ = element.run(u, core.width, None)
-    true = through(moved, order.after, seen, {}, memory)
-    shown = through(true, order.sensor, seen, {}, memory)
-    wide = core.width[rows] if len(core.width) > 1 else core.width
+    return held(u, core, core.width, order, seen, read, rows)
+
+
+def held(
+    u: Array, core: Core, width: Array, order: Order, seen: Now | None, read: Read, rows: list[int] | slice
+) -> Any:
+    """The memory with which the friction element shows what was measured, as far as its play lets it, while
+    nothing had moved what comes to it, ``u`` (n, columns); of a sharp play as long as that holds the joint.
+    ``seen``: the surroundings then, where effects behind the friction ask for them.
+    """
+    element, memory = core.rounding or SharpPlay(), Memory()
+    moved, _ = element.run(u, width, None)
+    shown = moved
+    if seen is not None:
+        shown = through(through(moved, order.after, seen, {}, memory), order.sensor, seen, {}, memory)
+    wide = width[rows] if len(width) > 1 else width
     off = np.empty(u.shape[1])
     _lies(_c(u[rows]), _c(wide), _c(moved[rows]), _c(shown[rows]), *read, core.rounding is None, off)
-    _, stuck = element.run(np.stack([u[0] + off, u[0]]), core.width[:1], None)
-    return State(float(seen.stamp[0]), seen.gearbox[0], true[0], {}, stuck)
+    return element.run(np.stack([u[0] + off, u[0]]), width[:1], None)[1]
 
 
 def _c(signal: Array) -> Array:

@@ -47,11 +47,12 @@ def with_its_setpoints(model: Model, recordings: Sequence[Recording], told: Sequ
     """A model that says its servos, with setpoints that are samples of what moves on between them, where it
     does not say what they are, and its loops then go as told, or those that effects can make of them,
     ``told``, are clearly nearer to the shafts, and about as near as other velocity loops and late stamps
-    would be: samples look like servos that are quicker, by half of the time between two of them.
+    would be: samples look like servos that are quicker, by half of the time between two of them. What a rough
+    fit of its loops explains needs no other setpoints.
     """
     if model.setpoints_stated or model.setpoints == SAMPLED:
         return model
-    if not any(_leads(*one, recordings) for one in told):
+    if not any(_leads(*one, recordings) for one in told) or _is_hardly_more(_left(told, quickly=True)):
         return model
     sampled = replace(model, setpoints=SAMPLED)
     others = _told(sampled, recordings)
@@ -133,9 +134,14 @@ def _explain_as_much(rest: Array, told: Sequence[Told]) -> bool:
     """Whether a ``rest`` (joints,) is hardly more than noise, or not clearly more than what loops of ``told``
     leave with other velocity loops.
     """
-    if np.all(rest**2 <= HARDLY_MORE):
+    if _is_hardly_more(rest):
         return True
     return _times(rest, _left(told, quickly=True, speeding=True)) < CLEARLY
+
+
+def _is_hardly_more(rest: Array) -> bool:
+    """Whether a ``rest`` (joints,) is hardly more than noise."""
+    return bool(np.all(rest**2 <= HARDLY_MORE))
 
 
 def _times(left: Array, other: Array) -> float:
@@ -219,6 +225,8 @@ def _fitted(told: Sequence[Told], quickly: bool = False, speeding: bool = False)
             for top, method in product(
                 (numbers[TOP_SPEED][0], fastest_of(loop.context, loop.column)), methods
             ):
+                if quickly and is_explained(loop, cost):
+                    break
                 start = loop.at(np.where(TOP_SPEED, top, numbers))[:share]
                 other = numbers_of(loop.fitted(start, method, tau_v, quickly).x, tau_v)
                 cost, found = min((cost, found), (loop.left(other), other), key=itemgetter(0))

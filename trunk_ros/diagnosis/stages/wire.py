@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import cache
+from typing import Any
 
 import numpy as np
 
@@ -15,7 +16,7 @@ from trunk_ros.data.seen import beside
 from trunk_ros.data.span import Span
 from trunk_ros.data.surroundings import View, following
 from trunk_ros.diagnosis.context import Context
-from trunk_ros.diagnosis.disturbances.stood import Read, begun
+from trunk_ros.diagnosis.disturbances.stood import Read, begun, held
 from trunk_ros.diagnosis.disturbances.swung import swung
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term, bind_column, payload_of
 from trunk_ros.diagnosis.search.fit import Fit, refit
@@ -23,7 +24,7 @@ from trunk_ros.diagnosis.stages.side_by_side import Seen, bind_together
 from trunk_ros.diagnosis.stages.stage import Sight, Stage
 from trunk_ros.effects import effect
 from trunk_ros.effects.core import Core
-from trunk_ros.effects.effect import Effect
+from trunk_ros.effects.effect import Effect, Now
 from trunk_ros.effects.moments import Payload
 from trunk_ros.levels import ROUGH
 from trunk_ros.model import Model
@@ -79,16 +80,30 @@ class WireStage(Stage):
         self, sight: Sight, index: int, column: int, payload: Payload, blocks: list[Effect], times: int = 1
     ) -> tuple[Array, Array]:
         """The joint's reading and its own angle (m, times), by blocks that have so many columns."""
-        span, order, state = sight.views[index].span, Order.of(blocks), None
+        span, order = sight.views[index].span, Order.of(blocks)
         width = self.arm.dead_band[None, column : column + 1].repeat(times, axis=1)
-        if len(span.start[column]):
-            rows, read = self._stand(span, column)
-            swings = any(block.form in block.dear for block in blocks)
-            each = tuple(range(rows[-1] + 1)) if swings else rows
-            stood = beside(sight.now(index, column, payload, each), times)
-            state = begun(stood, order, width, read, list(rows) if swings else slice(None))
         now = beside(sight.now(index, column, payload), times)
-        shown, true, _ = wire_pass(now.gearbox, now, order, Core(nominal_width=width, width=width), state)
+
+        def lies(u: Array, scale: Array | None, core: Core) -> Any:
+            rows, read = self._stand(span, column)
+
+            def stood(rows: tuple[int, ...]) -> Now:
+                return beside(sight.now(index, column, payload, rows), times)
+
+            if any(block.form in block.dear for block in blocks):
+                return begun(stood(tuple(range(rows[-1] + 1))), order, width, read, list(rows))
+            if core.rounding is not None:
+                return begun(stood(rows), order, width, read, slice(None))
+            came, some = u.take(rows, axis=0), list(rows)
+            came, wide = came if scale is None else came * scale, core.width
+            wide = wide[some] if len(wide) > 1 else wide
+            behind = stood(rows) if order.after or order.sensor else None
+            return held(came, core, wide, order, behind, read, slice(None))
+
+        core = Core(nominal_width=width, width=width)
+        shown, true, _ = wire_pass(
+            now.gearbox, now, order, core, None, lies if len(span.start[column]) else None
+        )
         return shown, true
 
     def _stand(self, span: Span, column: int) -> tuple[tuple[int, ...], Read]:
