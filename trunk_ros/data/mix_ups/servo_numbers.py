@@ -120,7 +120,7 @@ def _mixed(model: ArmModel, many: int) -> Iterator[tuple[Unit, ...]]:
 
 
 def _can_be(model: ArmModel) -> bool:
-    """Whether loops are no faster than the steps they are computed in: no servo is, and it would take long."""
+    """Whether loops are no faster than the steps they are computed in: no servo is, and these take long."""
     return bool(np.all(np.asarray(model.arm.kp) * STEP <= 1.0))
 
 
