@@ -123,8 +123,14 @@ def abreast(columns: Sequence[Array]) -> Array:
 
 
 def beside(now: Now, times: int) -> Now:
-    """The surroundings of one joint, side by side as many times."""
-    return now if times == 1 else joined([now] * times)
+    """The surroundings of one joint, side by side as many times; the last ones are kept with it."""
+    if times == 1:
+        return now
+    kept: Now | None = vars(now).get("_beside")
+    if kept is None or len(kept.columns) != times:
+        kept = joined([now] * times)
+        vars(now)["_beside"] = kept
+    return kept
 
 
 def joined(each: Sequence[Now]) -> Now:
