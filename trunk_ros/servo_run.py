@@ -18,6 +18,9 @@ from trunk_ros.effects.servo.loop import SEVERAL, fresh, servo_loop, servo_loops
 
 LATE, EARLY = 1.5, 1e-3  # setpoint periods: what comes later than that stood before; rounding of stamps
 
+STEADY = ("kp", "tau_v", "v_max", "uneven", "delay", "torque", "rub", "cogging")
+LASTS = 200  # rows from which on loops that change meanwhile are stepped side by side up to there
+
 LOOP = (*SERVO_OF_EACH, "uneven", "pull", "load", "torque", "rub", "dead_zone", "cogging")
 
 
@@ -114,27 +117,48 @@ def speeds(setpoints: Array, stamps: Array) -> Array:
 
 
 def _step(core: Core, setpoints: Array, stamps: Array, skip: int, state: Array, out: Array) -> None:
-    """Step the loops, side by side where that pays and nothing of them changes."""
-    numbers = core.kp, core.tau_v, *core.tops, core.delay, core.pull, core.load, core.torque, core.rub
+    """Step the loops, side by side where that pays."""
     reached = np.where(core.rub.any(axis=0), np.maximum(core.reach, np.abs(core.rub).max(axis=0)), 0.0)
-    steady = all(len(one) == 1 for one in (*numbers[:5], core.torque, core.rub, core.cogging))
-    cogging = np.stack(np.broadcast_arrays(core.cogging, *core.teeth))
-    limits = np.stack([core.quickest, core.hardest])
     least = SEVERAL if core.rub.any() or core.cogging.any() else 2 * SEVERAL
-    if out.shape[1] < least or not steady:
+    edges = _changes(core, len(out)) if out.shape[1] >= least else []
+    if not edges:
+        cogging = np.stack(np.broadcast_arrays(core.cogging, *core.teeth))
+        numbers = core.kp, core.tau_v, *core.tops, core.delay, core.pull, core.load, core.torque, core.rub
         kp, tau_v, up, down, delay, pull, load, torque, rub = map(np.ascontiguousarray, numbers)
         servo_loop(
             setpoints, stamps, kp, tau_v, up, down, delay, pull, load, torque, rub, reached, core.dead_zone,
-            cogging, limits, core.ahead, skip, state, out,
+            cogging, _limits(core), core.ahead, skip, state, out,
         )  # fmt: skip
-        return
-    kp, tau_v, up, down, delay, _, _, torque, rub = (number[0] for number in numbers)
+    for first, last in pairwise(edges):
+        here = _between(core, first, last) if len(edges) > 2 else core
+        _side_by_side(here, reached, setpoints, stamps, skip + first, state, out[first:last])
+
+
+def _side_by_side(
+    core: Core, reached: Array, setpoints: Array, stamps: Array, skip: int, state: Array, out: Array
+) -> None:
+    """Step loops of which nothing but the load and what pulls changes."""
+    numbers = core.kp, core.tau_v, *core.tops, core.delay, core.torque, core.rub
+    kp, tau_v, up, down, delay, torque, rub = (number[0] for number in numbers)
     pull, load, zone = (np.zeros_like(out) + number for number in (core.pull, core.load, core.dead_zone))
-    cogging = np.ascontiguousarray(cogging[:, 0])
+    cogging = np.stack([core.cogging[0], *core.teeth[:, 0]])
     servo_loops(
         setpoints, stamps, kp, tau_v, up, down, delay, pull, load, torque, rub, reached, zone, cogging,
-        limits[:, 0], core.ahead, skip, state, out,
+        _limits(core)[:, 0], core.ahead, skip, state, out,
     )  # fmt: skip
+
+
+def _limits(core: Core) -> Array:
+    return np.stack([core.quickest, core.hardest])
+
+
+def _changes(core: Core, rows: int) -> list[int]:
+    """The rows between which a loop stays as it is, and both ends; none where it changes too often."""
+    over_time = [one for name in STEADY if len(one := getattr(core, name)) > 1]
+    edges = {0, rows}
+    for one in over_time:
+        edges |= {*(np.flatnonzero((one[1:] != one[:-1]).any(axis=1)) + 1).tolist()}
+    return sorted(edges) if LASTS * (len(edges) - 1) <= rows or not over_time else []
 
 
 def _set(e: Effect, core: Core, now: Now) -> None:

@@ -196,6 +196,8 @@ def servo_loops(
     for j in range(columns):
         step[j] = min(STEP, CLOSE / kp[j])
         clocked[j] = j > 0 and delay[j] == delay[j - 1] and step[j] == step[j - 1]
+        if skip > 0:
+            held[j] = max(np.searchsorted(stamp, stamp[skip - 1] - delay[j], side="right") - 1, 0)
     rubs, cogs = np.any(rub != 0.0), np.any(cogging[0] != 0.0)
     leads, strains = np.any(limits[0] < np.inf), np.any(limits[1] < np.inf)
     for j in range(columns):

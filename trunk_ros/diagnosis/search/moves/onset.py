@@ -131,10 +131,16 @@ def moved(now: Fit, moment: Moment, at: Array) -> Fit:
 
 def _best_time(now: Fit, moment: Moment, at: Array) -> float:
     """The best of ``at`` (k,) s, all else as it is."""
-    trial, costs, at = now.hypothesis.copy(), [], np.maximum(at, 0.0)
-    for one in at:
+    at, context = np.maximum(at, 0.0), now.context
+    trials = [now.hypothesis.copy() for _ in at]
+    for trial, one in zip(trials, at, strict=True):
         moment.home(trial)[moment.name] = float(one)
-        costs.append(sum(float(np.sum(now.context.whitened(trial, c) ** 2)) for c in moment.columns(now)))
+    costs = np.zeros(len(at))
+    for column in moment.columns(now):
+        for first in range(0, len(at), context.together):
+            some = slice(first, first + context.together)
+            left = context.whitened_each([(trial, column) for trial in trials[some]])
+            costs[some] += [np.sum(rest**2) for rest in left]
     return float(at[int(np.argmin(costs))])
 
 
