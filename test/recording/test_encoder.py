@@ -123,3 +123,11 @@ def test_parabolas_are_those_of_savitzky_and_golay(window: int):
     readings = moving()[:400]
     usual = savgol_filter(readings, window, CURVED, mode="interp")
     assert smoothed(readings, window) == pytest.approx(usual, abs=1e-12)
+
+
+def test_counts_are_told_in_numbers_of_six_decimals():
+    """Two steps of a 17-bit encoder then differ by 2 %, and a joint that moves fast has few small ones."""
+    fine = 2 * np.pi / 2**17
+    for first in range(0, 400, 8):
+        readings = np.round(np.round(2.4 * np.sin(0.9 * T) / fine) * fine, 6)[first:]
+        assert count(readings) == pytest.approx(fine, rel=1e-4), first

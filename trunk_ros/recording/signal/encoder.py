@@ -17,6 +17,7 @@ KINDS = 4  # different steps, in counts, from which a grid of readings is an enc
 VARIES = 0.02  # of the steps that are unlike the one before: at constant speed all are alike without rounding
 MANY = 50  # different readings of a slow joint that tell its grid: a list of postures has fewer
 ON_GRID = 0.02  # counts
+REACHES = (*(5.0 * 6.0 ** np.arange(6)), np.inf)  # counts: each no further than the one before tells the step
 NEAR = 0.55  # counts that a reading may lie from a curve through it and its neighbours
 CALM = 200  # samples in which a joint may hardly move
 CALMEST = 0.2  # share of such stretches
@@ -96,9 +97,10 @@ def _grid_of(known: Floats, apart: Floats) -> float:
     smallest = apart[apart > 1e-9].min(initial=np.inf)
     if not np.isfinite(smallest):
         return 0.0
-    step = _refined(known - known[0], float(smallest))
+    step = _refined(known - known[0], _refined(apart, float(smallest)))
     multiples = (known - known[0]) / step
-    on_grid = bool((np.abs(multiples - np.round(multiples)) < ON_GRID).all())
+    off = multiples - np.round(multiples)
+    on_grid = bool((np.abs(off - np.median(off)) < ON_GRID).all())  # the first one is rounded, too
     return step if on_grid and _rounded(np.round(multiples)) else 0.0
 
 
@@ -113,8 +115,8 @@ def _rounded(readings: Floats) -> bool:
 
 
 def _refined(distance: Floats, step: float) -> float:
-    """The step as all distances (n,) from the first reading tell it, the near ones first."""
-    for reach in (30.0, 1e3, np.inf):
+    """The step as all distances (n,) between readings tell it, the near ones first."""
+    for reach in REACHES:
         whole = np.round(distance / step)
         near = (np.abs(whole) <= reach) & (whole != 0)
         if near.any():
