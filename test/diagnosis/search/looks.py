@@ -62,6 +62,10 @@ ARMS: dict[str, dict[str, dict[str, Any]]] = {
         "load_elasticity": {"compliance": np.full(5, 0.03)},
         "load_dependent_friction": {"gain": on(5, 0.03)},
     },
+    "gripping": {
+        "load_elasticity": {"compliance": np.full(5, 0.05), "upstream": 1.0},
+        "load_dependent_friction": {"gain": np.full(5, 1.2e-3)},
+    },
     "loosened": {"backlash": {"half_width": on(3, 1.5e-3), "from": np.full(5, 12.0)}},
     "picked up": {
         "load_elasticity": {"compliance": np.full(5, 0.03), "payload": 0.1, "payload_from": 9.0},

@@ -136,12 +136,12 @@ def price(fit: Fit, term: Term) -> float:
         lost = sum(len(known.own[c].keys() - term.own[c].keys()) for c in asked)
         return words + moments + _further(context, free, asked, lost + len(known.shared.keys() - term.shared))
     if kind.everywhere:
-        usual = _usual(fit)
+        usual, says = _usual(fit), 1 + bool(kind.replaces)  # what a law includes, and what it has besides
         each = _further(context, free, columns, 1) - name * len(columns)
         if any(term.moments(c) for c in columns):  # what begins on some joints is each one's own
             usual = sum(needs[c] for c in columns)
             each = _further(context, free, columns, len(columns))
-        return name + max(usual + each, _slice(fit, columns, HALF)) + moments
+        return says * name + max(says * usual + each, _slice(fit, columns, HALF)) + moments
     values = {c: max(sum(f.column == c for f in free), 1) for c in columns}
     further = _further(context, [f for f in free if f.column is not None], columns, len(columns))
     parts = (max(needs[c], n * _slice(fit, [c], SLICE)) for c, n in values.items())

@@ -30,11 +30,12 @@ from trunk_ros.levels import REFITTED, SEVERAL
 
 def groups(best: Fit, desk: Desk) -> Iterator[Group]:
     """Each effect of most joints, by each that acts on all; one of several joints, as others may have more of
-    the same for another effect, by those that show in the same regime.
+    the same for another effect, by those that show in the same regime. Laws with more to them than an effect
+    are no exchange: they wait for their turn among what is added.
     """
-    kinds = kinds_of_all(best.context, best.hypothesis)
+    every = kinds_of_all(best.context, best.hypothesis)
     for name, term in best.hypothesis.items():
-        several = len(term.columns) >= SEVERAL
+        several, kinds = len(term.columns) >= SEVERAL, [k for k in every if name not in k.replaces]
         some = [k for k in kinds if on_most(best, name) or (several and k.regime == effect(name).regime)]
         if some:
             yield Group(name, best.context.columns, partial(_swapped, best, desk, name, some))
