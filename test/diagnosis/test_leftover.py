@@ -13,6 +13,8 @@ from test.diagnosis.search.looks import fitted
 from trunk_ros.data.align import servo_span
 from trunk_ros.data.motion_content import PLACES
 from trunk_ros.diagnosis import diagnose
+from trunk_ros.diagnosis.context import Context
+from trunk_ros.diagnosis.evidence.cross_validation import Error
 from trunk_ros.diagnosis.evidence.residual_dependence import accounted, goes_on, rests
 from trunk_ros.diagnosis.first_look import first_look
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
@@ -117,13 +119,29 @@ def test_what_is_less_than_the_noise_is_not_said_to_be_left(
     assert len(left_over(now.context, now.hypothesis)) == said
 
 
-def test_of_what_a_servo_leaves_only_a_lag_is_how_its_loop_is_described() -> None:
-    """A wave as small as what 1 ms makes of the motion had been taken for that, and was not said."""
+def _off(by: str) -> Context:
+    """What servos leave that are late by 1 ms, or have a small wave on top."""
     made = recorded(seconds=20.0, nominal=SHORT)
     motors = made.series["gearbox_states"]
-    wave = 3e-4 * np.sin(2.0 * np.pi * 1.1 * motors.stamp)
+    wave = motors.position + 3e-4 * np.sin(2.0 * np.pi * 1.1 * motors.stamp)[:, None]
     late = np.column_stack([np.interp(motors.stamp - 1e-3, motors.stamp, q) for q in motors.position.T])
-    for position, said in ((motors.position + wave[:, None], {0, 1, 2}), (late, set())):
-        series = {**made.series, "gearbox_states": replace(motors, position=position, velocity=None)}
-        stage = ServoStage([servo_span(replace(made, series=series), SHORT)], SHORT)
-        assert rests(first_look(stage), Hypothesis()).keys() == said
+    position = {"wave": wave, "late": late}[by]
+    series = {**made.series, "gearbox_states": replace(motors, position=position, velocity=None)}
+    return first_look(ServoStage([servo_span(replace(made, series=series), SHORT)], SHORT))
+
+
+@pytest.mark.parametrize(("by", "said"), [("wave", {0, 1, 2}), ("late", set())])
+def test_of_what_a_servo_leaves_only_a_lag_is_how_its_loop_is_described(by: str, said: set[int]) -> None:
+    """A wave as small as what 1 ms makes of the motion had been taken for that, and was not said."""
+    assert rests(_off(by), Hypothesis()).keys() == said
+
+
+@pytest.mark.parametrize(("by", "said"), [("wave", {0, 1, 2}), ("late", set())])
+def test_nor_is_a_lag_said_to_be_left_of_blocks_beside_what_was_found(by: str, said: set[int]) -> None:
+    context = _off(by)
+    found = Hypothesis(servo_offset=Term("servo_offset", own={c: {"offset": 0.0} for c in range(3)}))
+    errors = {}
+    for c in context.columns:
+        left, noise = float(np.std(context.residual(0, found, c))), context.noise[c].std
+        errors[c] = Error(left, 0.0, left, 0.0, noise, left, sure=left)
+    assert rests(context, found, errors).keys() == said

@@ -30,7 +30,8 @@ def rests(
     power = {c: _power(context, hypothesis, c) for c in context.columns}
     for c, error in (errors or {}).items():
         if c in power and hypothesis.new_on(c, context.known):
-            power[c] = max(power[c], (error.sure / context.noise[c].std) ** 2 - 1.0)
+            sure = (error.sure / context.noise[c].std) ** 2 - 1.0
+            power[c] = max(power[c], sure - _of_a_lag(context, hypothesis, c))
     least = {c: max(context.rest(c), _of_laws(context, c) / context.count(c)) for c in power}
     return {c: p for c, p in power.items() if p > least[c] and _coherent(context, hypothesis, c)}
 
@@ -43,6 +44,14 @@ def _of_laws(context: Context, column: int) -> float:
         return off_by(context, column)
     later = ROUGHLY * behind(context, column)
     return float(later @ later)
+
+
+def _of_a_lag(context: Context, hypothesis: Hypothesis, column: int) -> float:
+    """Power of a residual, over the noise's, that a loop's lag explains; it is in blocks left out as well."""
+    if context.stage.name != "servo":
+        return 0.0
+    rest = context.whitened(hypothesis, column)
+    return float(np.mean(rest**2) - np.mean(but_for_a_lag(context, column, rest) ** 2))
 
 
 def _power(context: Context, hypothesis: Hypothesis, column: int) -> float:
