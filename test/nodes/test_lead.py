@@ -60,7 +60,7 @@ def test_what_a_limit_held_back_is_caught_up_with_and_not_overshot(size):
 
 def led_with_derivatives(at, model=NOMINAL):
     """Where the servo of a model goes (n,) rad, of 0.2 sin(2t)."""
-    lead = Lead(np.zeros(5), *SERVO, ahead=model.arm.ahead)
+    lead = Lead(np.zeros(5), *SERVO, ahead=model.arm.ahead, delay=model.arm.delay)
     out = []
     for k, now in enumerate(at):
         lead.elapse(now - at[k - 1] if k else 0.0)
@@ -88,3 +88,23 @@ def test_periods_may_be_uneven_or_long(period, uneven, most):
     at[1:] += np.random.default_rng(1).uniform(-uneven, uneven, len(at) - 1)
     off = (led_with_derivatives(at) - 0.2 * np.sin(2 * at))[at > 2.0]
     assert np.abs(off).max() < most
+
+
+@pytest.mark.parametrize("delay", [0.005, 0.05])
+def test_setpoints_that_act_late_go_out_early(delay):
+    late = replace(NOMINAL, arm=replace(NOMINAL.arm, delay=delay))
+    angle = 0.2 * np.sin(2 * AT)
+    assert np.abs(led_with_derivatives(AT, late) - angle)[100:].max() < 3e-4
+    each = np.array([0.0, 0.3, 1.0, 1.0, 1.0]) * delay
+    late = replace(NOMINAL, arm=replace(NOMINAL.arm, delay=each))
+    assert np.abs(led_with_derivatives(AT, late) - angle)[100:].max() < 3e-4
+
+
+def test_the_end_of_a_motion_in_sight_is_not_gone_back_from():
+    lead, heard = Lead(np.zeros(5), *SERVO, delay=0.05), []
+    for k in range(len(AT)):
+        lead.elapse(STEP if k else 0.0)
+        s = min(AT[k] + lead.sight, 1.0)  # a second from rest to rest
+        heard.append(10 * s**3 - 15 * s**4 + 6 * s**5)
+        lead.ahead(np.full(5, 30 * (s * (1 - s)) ** 2), np.full(5, 60 * s * (1 - s) * (1 - 2 * s)))
+    assert np.diff(heard).min() >= 0.0

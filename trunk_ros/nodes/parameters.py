@@ -46,7 +46,9 @@ MOTION = (
     Declaration(
         "max_acceleration", 100.0, "rad/s^2", (0.1, 1e6), "joint acceleration that a trajectory may ask for"
     ),
-    Declaration("lead", True, "", None, "let setpoints of a trajectory run ahead by the servo's lag"),
+    Declaration(
+        "lead", True, "", None, "let setpoints of a trajectory run ahead by the servo's lag and delay"
+    ),
 )
 GOALS = (
     Declaration(

@@ -38,8 +38,7 @@ class Compensation:
     def _begin(self, at: Array) -> Lead:
         """The motors stand ``at`` (joints,) rad."""
         self._aim = self.out = at
-        ahead = self.model.arm.ahead
-        self._lead = Lead(at, self.gain, self.tau_v, self.tops, self.feedforward, ahead)
+        self._lead = Lead(at, *self._servo)
         return self._lead
 
     def _use(self, model: Model) -> None:
@@ -48,9 +47,10 @@ class Compensation:
         self.lower, self.upper = gearbox_limits(model.arm)
         self.tops, self.gain = model.at_end().top_speeds, position_gain(model)
         self._asked = np.minimum(self.tops, model.arm.v_max)  # what it is told to stay below
-        self.tau_v, self.feedforward = (model.at_end().number(name) for name in ("tau_v", "feedforward"))
+        tau_v, fed, delay = (model.at_end().number(name) for name in ("tau_v", "feedforward", "delay"))
+        self._servo = self.gain, tau_v, self.tops, fed, model.arm.ahead, delay
         if self._lead is not None:
-            self._lead.use(self.gain, self.tau_v, self.tops, self.feedforward, model.arm.ahead)
+            self._lead.use(*self._servo)
         self._state: State | None = None
         self._fade = np.zeros(len(model.arm.joints))
 

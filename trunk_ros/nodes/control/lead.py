@@ -30,13 +30,14 @@ class Lead:
         tops: Array,
         fed: float | Array = 0.0,
         ahead: float = 0.0,
+        delay: float | Array = 0.0,
     ):
         """``at`` (joints,) rad: where the motors stand; the servo as in `use`."""
         self._wanted = self._sent = self._last = at
         self._slope = np.zeros_like(at)
         self._servo = fresh(at, self._slope)
-        self._period, self._periods, self._seen = 0.0, 0, 0.0
-        self.use(gain, tau_v, tops, fed, ahead)
+        self._period, self._periods, self._seen, self._still = 0.0, 0, 0.0, 0.0
+        self.use(gain, tau_v, tops, fed, ahead, delay)
 
     def use(
         self,
@@ -45,16 +46,18 @@ class Lead:
         tops: Array,
         fed: float | Array = 0.0,
         ahead: float = 0.0,
+        delay: float | Array = 0.0,
     ) -> None:
         """``gain`` (joints,) 1/s of the position loop, ``tau_v`` s, ``tops`` (2, joints) rad/s upwards and
-        downwards, the share of the setpoints' speed that the loop is ``fed``, and how fast it runs, ``ahead``
-        as in `servo_loop`.
+        downwards, the share of the setpoints' speed that the loop is ``fed``, how fast it runs, ``ahead``
+        as in `servo_loop`, and the ``delay`` in s of its setpoints.
         """
         self._early = np.asarray(fed / gain)  # s of the setpoints' motion that it sees beforehand
         self.pace = QUICKER * np.sqrt(gain / tau_v)
         none, row = np.zeros_like(gain), np.zeros((1, len(gain)))
         self._late, self._answered = 2.0 / self.pace, 0.0
-        self._most = float(np.mean(self._late))
+        self._delay = np.maximum(delay, 0.0)
+        self._most = float(np.mean(self._late + self._delay))
         up, down = tops
         law = gain[None], row + tau_v, row + up, row + down, row, row, row, row, row, none, row
         self._law = *law, np.zeros((3, 1, len(gain))), np.full((2, 1, len(gain)), np.inf), ahead
@@ -62,7 +65,7 @@ class Lead:
     @property
     def sight(self) -> float:
         """s from now for which it should be told where the motors are wanted: until the next setpoint, and in
-        motion as far as the filter is late, lest what `ahead` adds turns back at the end.
+        motion as far as filter and delay are late, lest what `ahead` adds turns back at the end.
         """
         return self._period + self._seen
 
@@ -78,12 +81,16 @@ class Lead:
 
     def ahead(self, velocity: Array, acceleration: Array) -> Array:
         """How far motors that are wanted with these derivatives (joints,) have to run ahead for the filter,
-        which takes them to go straight for each period, besides what is in sight.
+        which takes them to go straight for each period, and the delay, besides what is in sight.
         """
-        seen, late = self._seen, self._late - self._seen
+        seen = self._seen - self._delay
+        late = self._late - seen
         bend = self._late**2 / 4.0 - seen * late - (seen**2 / 2.0 + self._period**2 / 12.0)
-        moving = velocity.any() or acceleration.any()
-        self._seen = min(seen + self._period, self._most) if moving else 0.0
+        self._still = 0.0 if velocity.any() or acceleration.any() else self._still + self._period
+        if self._still == 0.0:
+            self._seen = min(self._seen + self._period, self._most)
+        elif self._still >= self._seen:  # the end is not only in sight: nothing turns back to it
+            self._seen = 0.0
         return late * velocity + bend * acceleration
 
     def setpoint(self, wanted: Array) -> Array:
