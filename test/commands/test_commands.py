@@ -8,6 +8,7 @@ import importlib
 import json
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import pytest
@@ -16,7 +17,7 @@ from test.diagnosis.arms import recorded, reshaped
 from trunk_ros.__main__ import COMMANDS, MEANT, main, without_a_package
 from trunk_ros.arm.files import urdf_text
 from trunk_ros.commands.completion import PARSERS, parser_of, whole_parser
-from trunk_ros.console.progress import Progress
+from trunk_ros.console.progress import Progress, every
 from trunk_ros.errors import ArgumentError, ModelError, RecordingError
 from trunk_ros.recording.importing.mapping import load_mapping
 from trunk_ros.recording.namespace import choose
@@ -136,6 +137,16 @@ def test_progress_tells_the_stage_the_time_and_what_is_left() -> None:
         "arm (16 s, about 4 s to go)",
         "arm: tip (18 s, about 2 s to go)",
     ]
+
+
+def test_a_step_that_takes_long_is_spoken_of_meanwhile(capsys: pytest.CaptureFixture[str]) -> None:
+    progress = Progress({"wire": 0.0}, lambda _: None)
+    with every(0.02, progress.line):
+        progress.step("wire: evidence")
+        time.sleep(0.2)
+    assert capsys.readouterr().err.count("wire: evidence (0 s)\n") >= 3
+    time.sleep(0.05)
+    assert capsys.readouterr().err == "", "nothing once it is over"
 
 
 def test_info_says_what_is_there_and_what_can_be_diagnosed(

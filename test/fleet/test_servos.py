@@ -11,7 +11,12 @@ pytest.importorskip("ruptures")
 
 from test.diagnosis.test_nominal_servo import OWN, of_joints, recorded_servos  # noqa: E402
 from trunk_ros.__main__ import main  # noqa: E402
+from trunk_ros.arm.arm import SERVO_OF_EACH  # noqa: E402
+from trunk_ros.diagnosis.servos.nominal_servo import Servos  # noqa: E402
+from trunk_ros.fleet.inputs.listing import Job  # noqa: E402
+from trunk_ros.fleet.run import servos as of_arms  # noqa: E402
 from trunk_ros.fleet.together.series import DAY  # noqa: E402
+from trunk_ros.model import load_model  # noqa: E402
 from trunk_ros.recording.write import write_recording  # noqa: E402
 
 pytestmark = pytest.mark.timeout(600)
@@ -25,10 +30,8 @@ def test_a_servo_that_gets_slower_is_followed_from_what_it_was(tmp_path):
             tmp_path / "arm" / f"day_{k}", replace(recording, start_ns=int((k + 1) * DAY) * 10**9)
         )
     there = tmp_path / "out"
-    assert (
-        main(["fleet", str(tmp_path / "arm"), "--model", "direct", "--output", str(there), "--workers", "1"])
-        == 0
-    )
+    asked = ["fleet", str(tmp_path / "arm"), "--model", "direct", "--output", str(there), "--workers", "1"]
+    assert main(asked) == 0
     (own,) = json.loads((there / "servos.json").read_text())["arms"].values()
     assert own["numbers"]["shoulder"][0] == pytest.approx(12.0, rel=0.01)
     found = [
@@ -43,3 +46,19 @@ def test_a_servo_that_gets_slower_is_followed_from_what_it_was(tmp_path):
         if v["effect"] == "servo_bandwidth" and v["joint"] == "shoulder"
     }
     assert [followed[f"day_{k}"] for k in range(5)] == pytest.approx([0.0, 0.0, 0.0, -0.1, -0.2], abs=5e-3)
+    assert main(asked) == 0, "its own output is none of another's"
+
+
+def test_servos_that_were_found_stay_where_the_run_is_stopped(tmp_path, monkeypatch):
+    found = Servos({"elbow": (12.0,) * len(SERVO_OF_EACH)}, "held")
+
+    def stopped(client, work, tasks):
+        yield tasks[0][0], found
+        raise KeyboardInterrupt
+
+    jobs = [Job(arm, 0.0, f"{arm}/run") for arm in ("left", "right")]
+    monkeypatch.setattr(of_arms, "each", stopped)
+    with pytest.raises(KeyboardInterrupt):
+        of_arms.servos(None, tmp_path / "out", jobs, load_model("direct"))
+    monkeypatch.setattr(of_arms, "each", lambda client, work, tasks: [(arm, None) for arm, _ in tasks])
+    assert of_arms.servos(None, tmp_path / "out", jobs, load_model("direct")) == {"left": found}

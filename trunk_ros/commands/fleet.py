@@ -8,7 +8,7 @@ from typing import Any
 from trunk_ros.console.arguments import Parser, count
 from trunk_ros.errors import ArgumentError, RecordingError
 
-OURS = ("fleet.json", "fleet.html", "*.parquet", "parts", "arms", ".*")
+OURS = ("fleet.json", "fleet.html", "servos.json", "*.parquet", "parts", "arms", ".*")
 
 
 def main(argv: list[str]) -> int:

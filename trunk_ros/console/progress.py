@@ -6,6 +6,7 @@ import sys
 import time
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
+from threading import Event, Thread
 
 from trunk_ros.console.console import Level, asked
 
@@ -61,24 +62,32 @@ def progress(shares: Mapping[str, float]) -> Iterator[Say]:
     """
     if asked() == Level.QUIET:
         yield lambda _: None
-    elif asked() == Level.VERBOSE or not sys.stderr.isatty():
-        yield Progress(shares, lines(0.0 if asked() == Level.VERBOSE else EVERY)).step
+    elif asked() == Level.VERBOSE:
+        yield Progress(shares, lambda line: print(line, file=sys.stderr, flush=True)).step
+    elif not sys.stderr.isatty():
+        told = Progress(shares, lambda _: None)
+        with every(EVERY, told.line):
+            yield told.step
     else:
         from rich.console import Console
 
         with Console(stderr=True).status("") as status:
-            told = Progress(shares, status.update)
-            yield told.step
+            yield Progress(shares, status.update).step
 
 
-def lines(every: float) -> Say:
-    """Prints a line on the standard error, if the last one is so many s old."""
-    last = time.monotonic()
+@contextmanager
+def every(seconds: float, line: Callable[[], str]) -> Iterator[None]:
+    """Prints what ``line`` says on the standard error each so many s, also while a step takes longer."""
+    over = Event()
 
-    def show(line: str) -> None:
-        nonlocal last
-        if time.monotonic() - last >= every:
-            print(line, file=sys.stderr, flush=True)
-            last = time.monotonic()
+    def show() -> None:
+        while not over.wait(seconds):
+            print(line(), file=sys.stderr, flush=True)
 
-    return show
+    clock = Thread(target=show, daemon=True)
+    clock.start()
+    try:
+        yield
+    finally:
+        over.set()
+        clock.join()

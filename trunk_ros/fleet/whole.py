@@ -27,7 +27,7 @@ from rich.progress import (
 )
 
 from trunk_ros.console.console import Level, asked
-from trunk_ros.console.progress import EVERY, Say, lines, spoken
+from trunk_ros.console.progress import EVERY, every, spoken
 from trunk_ros.diagnosis.servos.nominal_servo import Servos
 from trunk_ros.fleet.inputs.listing import Job
 from trunk_ros.fleet.run.cluster import each
@@ -187,8 +187,13 @@ def shown(what: str, count: int) -> Iterator[Tick]:
     """A bar with the time that is expected, on standard error, or a line every ten seconds where that is no
     terminal; yields a function that moves it on.
     """
-    if asked() == Level.QUIET or not sys.stderr.isatty():
-        yield _counted(what, count, (lambda _: None) if asked() == Level.QUIET else lines(EVERY))
+    if asked() == Level.QUIET:
+        yield lambda: None
+        return
+    if not sys.stderr.isatty():
+        counted = _Counted(what, count)
+        with every(EVERY, counted.line):
+            yield counted.tick
         return
     columns = (
         TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn(),
@@ -199,16 +204,19 @@ def shown(what: str, count: int) -> Iterator[Tick]:
         yield lambda: progress.advance(task)
 
 
-def _counted(what: str, count: int, say: Say) -> Tick:
-    """Says how many are done, each time that one is."""
-    began, done = time.monotonic(), 0
+class _Counted:
+    """How many of a kind are done, and since when."""
 
-    def tick() -> None:
-        nonlocal done
-        done += 1
-        say(f"{what}: {done} of {count} ({spoken(time.monotonic() - began)})")
+    def __init__(self, what: str, count: int):
+        self.what, self.count, self.done, self.began = what, count, 0, time.monotonic()
 
-    return tick
+    def tick(self) -> None:
+        """One more."""
+        self.done += 1
+
+    def line(self) -> str:
+        """All of it."""
+        return f"{self.what}: {self.done} of {self.count} ({spoken(time.monotonic() - self.began)})"
 
 
 def folder_of(arm: str) -> str:

@@ -57,12 +57,18 @@ def servos(
         for arm, found in each(client, found_in, tasks):
             if isinstance(found, Servos) and found.numbers:
                 told[arm] = found
+                _keep(file, setting, told)
             tick()
-    if told:
-        folder.mkdir(parents=True, exist_ok=True)
-        arms = {arm: asdict(found) for arm, found in told.items()}
-        file.write_text(json.dumps({"model": setting, "arms": arms}, indent=1) + "\n")
     return told
+
+
+def _keep(file: Path, setting: str, told: dict[str, Servos]) -> None:
+    """All that were found so far: a run that is stopped here does not begin anew."""
+    arms = {arm: asdict(found) for arm, found in told.items()}
+    file.parent.mkdir(parents=True, exist_ok=True)
+    draft = file.with_name(f".{file.name}")
+    draft.write_text(json.dumps({"model": setting, "arms": arms}, indent=1) + "\n")
+    draft.replace(file)
 
 
 def _kept(file: Path, setting: str) -> dict[str, Servos]:
