@@ -11,7 +11,7 @@ import pytest
 
 from test.diagnosis.arms import recorded
 from test.diagnosis.test_tip_in_space import ARMS, seen
-from test.recording.bags import motion, write_bag
+from test.recording.bags import motion, pose, write_bag
 from test.test_pages_run import an_old_bag
 from trunk_ros.__main__ import main
 from trunk_ros.commands.info import foreign, gathered, model_for
@@ -137,6 +137,12 @@ def test_topics_that_were_renamed_beside_ours_get_a_mapping_as_well(
     assert "/motor/state.position[0]" in capsys.readouterr().out
     assert main(["diagnose", str(bag), "-o", str(tmp_path / "verdict")]) == 2
     assert "gives the mapping" in capsys.readouterr().err
+    tips = [
+        ("/trunk/tip_pose", log, pose(log, (0.1, 0.0, 0.3, 0.0, 0.0, 0.0, 1.0))) for _, log, _ in motion()
+    ]
+    seen = write_bag(tmp_path / "seen", motion("/encoders") + motion("/motor/state") + tips)
+    assert main(["info", str(seen)]) == 0
+    assert '  joint_states: {position: {columns: ["/encoders.position[0]"]' in capsys.readouterr().out
     half = write_bag(tmp_path / "half", motion("/joint_states") + motion("/motor/state"))
     assert main(["info", str(half)]) == 0
     assert "no trunk/gearbox_states, but /motor/state" in capsys.readouterr().out

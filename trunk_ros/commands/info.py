@@ -56,8 +56,15 @@ def main(argv: list[str]) -> int:
         say(*([json.dumps(told, indent=1)] if asked.json else foreign(asked.bag, topics)))
         return 0
     found = gathered(*model_for(recording, asked.model))
-    say(*([json.dumps(found, indent=1)] if asked.json else spoken(found)))
+    renamed = {} if STATES & set(recording.series) else foreign_topics(asked.bag)
+    begun = mapping(asked.bag, renamed) if foreign_states(renamed) else []
+    told = {**found, "foreign_topics": renamed} if begun else found
+    say(*([json.dumps(told, indent=1)] if asked.json else [*spoken(found), *begun]))
     return 0
+
+
+STATES = {"gearbox_states", "joint_states"}
+"""What says where an arm was: a bag without either may have both under other names."""
 
 
 NUMBERS = {"sensor_msgs/msg/JointState": "position[0]", "std_msgs/msg/Float64": "data"}
@@ -74,6 +81,12 @@ MOTORS = ("motor", "gearbox", "actuator", "drive", "shaft")
 
 def foreign(path: Path, topics: dict[str, str]) -> list[str]:
     """The topics of a bag that say by no name where an arm was, and the mapping to begin with."""
+    head = f"{path}: no topic of an arm says where it was. It holds:"
+    return [head, *columns(sorted(topics.items())), *mapping(path, topics)]
+
+
+def mapping(path: Path, topics: dict[str, str]) -> list[str]:
+    """The mapping to begin with for the topics of a bag."""
     named = set(foreign_states(topics)) | {topic for topic, kind in topics.items() if kind != JOINT_STATE}
     angles = [
         f"{topic}.{field}"
@@ -89,8 +102,6 @@ def foreign(path: Path, topics: dict[str, str]) -> list[str]:
         keys = ["setpoints", *keys[: max(len(shown), 1)]]
     told = dict(zip(keys, [*asked[:1], *shown, "/TOPIC.FIELD", "/TOPIC.FIELD"], strict=False))
     return [
-        f"{path}: no topic of an arm says where it was. It holds:",
-        *columns(sorted(topics.items())),
         "",
         "A mapping says which of their fields are which; put the right ones in and save it as MAP.yaml:",
         "  joints: [joint_1]",
