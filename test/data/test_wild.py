@@ -76,6 +76,14 @@ def test_a_motor_that_mostly_stands_and_moves_as_the_recording_ends_is_not_wild(
     assert not wild(readings[::-1]).any()
 
 
+def test_a_motor_that_sets_off_as_the_recording_ends_is_not_wild():
+    t = np.linspace(0.0, 1.5, 150)
+    readings = np.where(t < 1.3, 0.0, 30.0 * (t - 1.3).clip(0.0) ** 2)
+    readings += np.random.default_rng(0).normal(0.0, 1e-6, len(t))
+    assert not wild(readings).any()
+    assert not wild(readings[::-1]).any()
+
+
 def test_stop_and_measure_commands_are_not_wild():
     assert not wild(np.random.default_rng(0).uniform(-1, 1, 500)).any()
 

@@ -106,7 +106,9 @@ def wild(readings: Array) -> np.ndarray:
         return out
     beside = np.pad(readings[known], 2, mode="reflect")
     before, after = beside[1:-3], beside[3:-1]
-    off = np.abs(readings[known] - np.median([beside[:-4], before, after, beside[4:]], axis=0))
+    usual_there = np.median([beside[:-4], before, after, beside[4:]], axis=0)
+    usual_there[[0, -1]] = readings[known][[1, -2]]  # from the one beside it: a median would lag behind
+    off = np.abs(readings[known] - usual_there)
     found = (off > WILD * most) & (np.abs(after - before) < off / 2)
     others = np.abs(np.diff(readings[known][1:-1][~found[1:-1]])).max(initial=0.0)
     found[[0, -1]] &= off[[0, -1]] > CLEARLY * others
