@@ -61,7 +61,8 @@ class Wire:
         self._use(model)
         if self._state is not None:
             stamp = self._state.stamp
-            path = np.array([model.arm.asked(self._state.angles), self._phi])
+            stood, _ = self._wire.invert((self._state.angles + self._zero)[None], np.array([stamp - JUST]))
+            path = np.array([stood[0], self._phi])  # under its load, not at what its ratio alone makes of it
             _, self._state = self._wire.run(path, np.array([stamp - JUST, stamp]))
 
     def complete(self, names: Sequence[str], position: Sequence[float]) -> Array:
