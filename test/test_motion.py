@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from trunk_ros.model import load_model
-from trunk_ros.motion import NAMES, named_trajectory
+from trunk_ros.motion import NAMES, begun_from, named_trajectory
+from trunk_ros.nodes.control.follower import limits_of
 from trunk_ros.nodes.run.arguments import TRAJECTORIES
 from trunk_ros.trajectory import Limits, TrajectoryError
 
@@ -43,3 +44,15 @@ def test_an_unknown_name_is_answered_with_those_that_there_are():
 
 def test_the_help_of_bringup_names_every_motion() -> None:
     assert TRAJECTORIES == NAMES
+
+
+def test_an_arm_that_stands_elsewhere_is_led_to_where_a_motion_begins():
+    motion, still = named_trajectory("default", ARM, 20.0), np.zeros(len(ARM.joints))
+    for away in (0.0, 1e-3):
+        assert begun_from(motion, ARM, dict(zip(ARM.joints, ARM.rest + away, strict=True))) is motion
+    there = ARM.rest + np.array([0.0, 0.4, 0.0, -0.3, 0.0])
+    led = begun_from(motion, ARM, dict(zip(ARM.joints, there, strict=True)))
+    assert np.ptp(led.time) == pytest.approx(np.ptp(motion.time))
+    with pytest.raises(TrajectoryError, match="its limit"):
+        motion.after(there, still, still).check(limits_of(ARM, np.inf))
+    led.after(there, still, still).check(limits_of(ARM, np.inf))

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -14,6 +14,7 @@ from trunk_ros.trajectory import Array, Trajectory, TrajectoryError, evaluate
 PEAK = 1.875  # peak speed of a rest-to-rest quintic over its mean speed
 FULL_CYCLE = 24.0  # s that all sections take one after the other at full size
 LEAD_IN = 0.5  # s at rest before the first move
+AT_REST = 1e-6  # rad
 QUICKEST = 0.12  # s for the smallest moves
 REACH_WITHOUT_LIMITS = 0.4  # rad
 APPROACH = 0.5  # of the top speed, on the way to the middle of its range
@@ -88,6 +89,20 @@ def named_trajectory(name: str, arm: Arm, seconds: float) -> Trajectory:
     size = float(np.clip(seconds / FULL_CYCLE, 0.2, 1.0)) if name == "default" else 1.0
     paths = [waypoints(arm, joint, sections, seconds, size) for joint in range(len(arm.joints))]
     return merge(arm.joints, paths)
+
+
+def begun_from(trajectory: Trajectory, arm: Arm, at: Mapping[str, float]) -> Trajectory:
+    """The same motion, later by what the way to its first posture takes of an arm that stands ``at`` rad,
+    where that is the one at rest; another one is a way of the motion's own, in a time of its own.
+    """
+    rest = dict(zip(arm.joints, arm.rest, strict=True))
+    first = dict(zip(trajectory.joints, trajectory.position[0], strict=True))
+    tops = dict(zip(arm.joints, arm.top_speed, strict=True))
+    ways = [abs(angle - at.get(joint, angle)) / tops[joint] for joint, angle in first.items()]
+    needed = PEAK * max(ways, default=0.0) / APPROACH - trajectory.time[0]
+    if needed <= 0.0 or any(abs(angle - rest[joint]) > AT_REST for joint, angle in first.items()):
+        return trajectory
+    return replace(trajectory, time=trajectory.time + needed)
 
 
 def waypoints(arm: Arm, joint: int, sections: list[Section], seconds: float, size: float) -> Array:

@@ -59,11 +59,12 @@ def make_pacer(plan: Plan) -> Any:
     """The node that gives the run its time."""
     from trunk_ros.arm.urdf import urdf
     from trunk_ros.nodes.graph.progress import Ledger
-    from trunk_ros.nodes.run.pacer import Pace, Pacer
+    from trunk_ros.nodes.run.pacer import NEEDED, Pace, Pacer
 
     foreign = tuple(topic for part, topic in PUBLISHED.items() if part not in plan.parts)
     description = "" if "wire_elasticity" in plan.parts else urdf(plan.arm)
-    pace = Pace(plan.seconds, plan.rate, plan.simulated, plan.trajectory, foreign, description)
+    arm = plan.arm if NEEDED in foreign and not plan.simulated else None
+    pace = Pace(plan.seconds, plan.rate, plan.simulated, plan.trajectory, foreign, description, arm)
     pacer = Pacer(pace, Ledger([]), note)
     names = {part: pacer.own(part) for part in plan.parts}
     pacer.ledger.nodes += names.values()

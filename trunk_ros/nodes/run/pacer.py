@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from difflib import get_close_matches
 from typing import Any
 
+from trunk_ros.arm import Arm
+from trunk_ros.motion import begun_from
 from trunk_ros.nodes.graph.elapsed import SECOND
 from trunk_ros.nodes.graph.health import REFUSED, WARN
 from trunk_ros.nodes.graph.loop import steady_clock
@@ -47,6 +49,8 @@ class Pace:
     trajectory: Trajectory | None
     foreign: tuple[str, ...] = ()
     description: str = ""
+    arm: Arm | None = None
+    """That moves, where it is another's: it may stand anywhere."""
 
 
 class Pacer(Node):
@@ -64,6 +68,7 @@ class Pacer(Node):
         self.settled = 0
         self.complete = self.begun
         self.told: set[str] = set()
+        self.stands: dict[str, float] = {}
         self.hear(DiagnosticArray, "diagnostics", self.pass_on)
         if pace.simulated:
             self.clock = self.create_publisher(Clock, "/clock", DEPTH)
@@ -72,6 +77,8 @@ class Pacer(Node):
         if pace.trajectory is not None:
             self.send = self.create_publisher(JointTrajectory, "trunk/joint_trajectory", DEPTH)
             self.progress.sent[self.send.topic_name] = 0
+            if pace.arm is not None:
+                self.hear(JointState, "trunk/reference", self.note_posture)
         if pace.description:
             self.create_publisher(String, "robot_description", LATCHED).publish(String(data=pace.description))
         self.hear(String, PROGRESS_TOPIC, self.note_words)
@@ -101,6 +108,11 @@ class Pacer(Node):
         except (ValueError, TypeError, KeyError, AttributeError, RecursionError):
             return
         self.note(progress)
+
+    def note_posture(self, message: Any) -> None:
+        """Where the compensator holds the arm until the motion begins."""
+        if self.phase == "gather" and len(message.name) == len(message.position):
+            self.stands = dict(zip(message.name, message.position, strict=True))
 
     def note(self, progress: Progress) -> None:
         """A node says how far it is."""
@@ -202,8 +214,18 @@ class Pacer(Node):
         self.enter("announce")
         if self.pace.trajectory is not None:
             self.progress.sent[self.send.topic_name] += 1
-            self.send.publish(trajectory_message(self.pace.trajectory))
+            self.send.publish(trajectory_message(self.reached(self.pace.trajectory)))
         self.advance()
+
+    def reached(self, motion: Trajectory) -> Trajectory:
+        """The motion with the way to where it begins; the run is longer by it."""
+        if self.pace.arm is None:
+            return motion
+        later = begun_from(motion, self.pace.arm, self.stands)
+        if takes := float(later.time[0] - motion.time[0]):
+            self.pace = replace(self.pace, seconds=self.pace.seconds + takes)
+            self.say(f"the arm stands elsewhere than the motion begins: {takes:.1f} s more to get there")
+        return later
 
     def unheard(self) -> str:
         """A topic of others that nobody publishes yet."""
