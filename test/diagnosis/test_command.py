@@ -12,7 +12,7 @@ from test.diagnosis.made import backlash
 from trunk_ros.__main__ import main
 from trunk_ros.commands.diagnose import spoken
 from trunk_ros.recording.read import read_recording
-from trunk_ros.recording.recording import Recording
+from trunk_ros.recording.recording import JointSeries, Recording
 from trunk_ros.recording.write import write_recording
 
 
@@ -47,6 +47,17 @@ def test_diagnose_writes_its_three_files_and_the_model_runs(
     assert main(["simulate", str(bag), "--model", str(out / "model.yaml"), "--output", str(predicted)]) == 0
     shown = read_recording(predicted).series["joint_states"]
     assert np.array_equal(shown.stamp, read_recording(bag).series["joint_states"].stamp)
+
+
+@pytest.mark.filterwarnings("error")
+def test_a_single_sample_is_refused_as_too_short_and_no_more_is_said(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    one = JointSeries(np.zeros(1), ("elbow",), np.zeros((1, 1)))
+    series = dict.fromkeys(("setpoints", "gearbox_states", "joint_states"), one)
+    write_recording(tmp_path / "one", Recording("one", 0, 0.0, series))
+    said = refused(["diagnose", str(tmp_path / "one"), "-m", "direct", "-o", str(tmp_path / "out")], capsys)
+    assert "over a longer time" in said
 
 
 def test_simulate_from_setpoints_predicts_the_gearbox_as_well(bag: Path, tmp_path: Path) -> None:

@@ -81,6 +81,12 @@ def test_a_servo_delay_is_the_actuators_own(tmp_path: Path) -> None:
     assert np.abs(late[5:] - prompt[:-5])[300:].max() < 0.03 * np.abs(late - prompt).max()
 
 
+def test_an_actuator_that_is_in_time_stays_as_it_is(tmp_path: Path) -> None:
+    sheet, model = written({"servo_delay": {"delay": pair(0.02, 0.0)}}, tmp_path)
+    assert len(sheet.lines) == 1
+    assert (model.actuator_delay > 0.0).tolist() == [True, False]
+
+
 def test_the_layer_knows_of_a_gain_that_the_file_has(tmp_path: Path) -> None:
     slow = {"velocity_loop": {"relative": 1.0}, "servo_bandwidth": {"relative": -0.2}}
     sheet, _ = written(slow, tmp_path)

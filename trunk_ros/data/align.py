@@ -223,7 +223,7 @@ def hidden_by_gaps(recording: Recording) -> str:
     setpoints, small = setpoints.select(joints), np.maximum(noises(gearbox.select(joints)) / 2, UNSEEN)
     wide = np.flatnonzero(np.diff(setpoints.stamp) > longest_wait(setpoints.stamp))
     times = len(np.setdiff1d(wide, _harmless(setpoints, small)))
-    if times * SETTLING < HALF * recording.duration:
+    if times * SETTLING <= HALF * recording.duration:
         return ""
     return (
         f"setpoints are missing {times} times, and the {SETTLING:g} s after each, in which it is unknown "

@@ -249,6 +249,8 @@ class MjcfWriter(MjcfFile):
         if not elements or not hasattr(elements[0], "delay"):
             return values
         for element, delay in zip(elements, np.broadcast_to(values["delay"], len(elements)), strict=True):
+            if delay == 0.0:
+                continue
             element.delay = float(element.delay) + delay
             element.nsample = int(np.ceil(element.delay / self.spec.option.timestep)) + 2
             element.interp = 1

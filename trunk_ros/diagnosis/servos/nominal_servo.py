@@ -114,7 +114,8 @@ def _as_samples(model: Model, recordings: Sequence[Recording], loops: dict[int, 
 
 def period(recordings: Sequence[Recording]) -> float:
     """The usual time between two setpoints [s], where that is longest."""
-    return max(float(np.median(np.diff(r.require("setpoints").stamp))) for r in recordings)
+    stamps = [r.require("setpoints").stamp for r in recordings]
+    return max((float(np.median(np.diff(each))) for each in stamps if len(each) > 1), default=0.0)
 
 
 def _identified(
