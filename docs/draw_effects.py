@@ -42,6 +42,7 @@ LARGER: dict[str, dict[str, float]] = {  # where the usual size would hardly be 
     "setpoint_floor": {"lower": -0.3},
     "setpoint_rate": {"rate": 0.5},
     "acceleration_limit": {"acceleration": 4.0},
+    "motor_friction": {"friction": 0.03},
     "hard_stop": {"upper": 0.2},
     "thermal_drift": {"time_constant": 15.0},
     "viscoelastic_creep": {"time_constant": 2.0},

@@ -32,7 +32,7 @@ def servo(setpoint: Array, stamp: Array, **effects: Any) -> Array:
     return Chain(Model(arm, effects), "servo").run(setpoint, stamp)[0]
 
 
-def in_steps(setpoint: Array, rate: float = np.inf, hardest: float = np.inf) -> Array:
+def in_steps(setpoint: Array, rate: float = np.inf, hardest: float = np.inf, dry: float = 0.0) -> Array:
     """The same of a joint (n,), in steps of 0.1 ms."""
     phi, v, led, out = setpoint[0], 0.0, setpoint[0], []
     for target in setpoint:
@@ -40,6 +40,7 @@ def in_steps(setpoint: Array, rate: float = np.inf, hardest: float = np.inf) -> 
         for _ in range(round(1.0 / RATE / FINE)):
             led += np.clip(target - led, -rate * FINE, rate * FINE)
             v += np.clip((KP * (led - phi) - v) / TAU, -hardest, hardest) * FINE
+            v -= np.clip(v, -KP * dry / TAU * FINE, KP * dry / TAU * FINE)
             phi += v * FINE
     return np.array(out)
 
@@ -86,6 +87,20 @@ def test_speed_changes_no_faster_than_the_limit(hardest: float) -> None:
     for j in range(2):
         assert got[:, j] == pytest.approx(in_steps(setpoint[:, j], hardest=hardest), abs=2e-3)
     assert np.abs(np.diff(got, 2, axis=0)).max() * RATE**2 <= 1.0001 * hardest
+
+
+@pytest.mark.parametrize("friction", [2e-3, 0.02])
+def test_dry_friction_holds_the_shaft_back(friction: float) -> None:
+    """As far as it goes: at rest any error up to that stays, and in motion all of it is added to the lag."""
+    stamp, setpoint = asked()
+    got = servo(setpoint, stamp, motor_friction={"friction": friction})
+    for j in range(2):
+        assert got[:, j] == pytest.approx(in_steps(setpoint[:, j], dry=friction), abs=2e-3)
+    ramp = 0.4 * stamp[:, None]
+    lags = [ramp - servo(ramp, stamp, motor_friction={"friction": each}) for each in (friction, 0.0)]
+    assert (lags[0] - lags[1])[200:] == pytest.approx(friction, rel=1e-3)
+    stays = servo(0.9 * friction * (stamp[:, None] > 1.0), stamp, motor_friction={"friction": friction})
+    assert np.array_equal(stays, 0.0 * stays)
 
 
 @pytest.mark.parametrize("late", [0.01, 0.0137])

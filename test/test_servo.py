@@ -288,7 +288,9 @@ def test_joints_side_by_side_come_out_as_each_by_itself(held: float, ahead: floa
         rng.normal(scale=1e-3, size=setpoint.shape), rng.normal(scale=1e-3, size=setpoint.shape),
         0.3 * each, held * each, reach * each,
         np.full(setpoint.shape, held) * (each > 1.0), np.array([1e-3 * each, 22.0 * each, each]),
-        np.where(limited * each > 1.0, [0.5 * each, 9.0 * each], np.inf),
+        np.concatenate(
+            [np.where(limited * each > 1.0, [0.5 * each, 9.0 * each], np.inf), [0.5 * held * each]]
+        ),
     ]  # fmt: skip
     arguments[2][1] = 300.0  # stiff: stepped finer than the others
     together, start = np.empty_like(setpoint), rng.normal(size=(5, columns))

@@ -53,7 +53,7 @@ def test_servos_that_change_come_out_as_each_by_itself(often: bool, monkeypatch:
     stepped = servo_run.servo_loops
     monkeypatch.setattr(servo_run, "servo_loops", lambda *a: (pieces.append(len(a[-1])), stepped(*a)))
     together, state = run_servo(core, now, setpoint, stamp, fresh(np.zeros(COLUMNS)))
-    assert pieces == ([] if often else [701, 1299])
+    assert pieces == ([] if often else [701, 1300])
     for j in range(COLUMNS):
         asked, alone = np.ascontiguousarray(setpoint[:, j : j + 1]), surroundings(stamp, 1)
         got, after = run_servo(one_of(core, j), alone, asked, stamp, fresh(np.zeros(1)))

@@ -18,10 +18,10 @@ from trunk_ros.effects.servo.loop import SEVERAL, fresh, servo_loop, servo_loops
 
 LATE, EARLY = 1.5, 1e-3  # setpoint periods: what comes later than that stood before; rounding of stamps
 
-STEADY = ("kp", "tau_v", "v_max", "uneven", "delay", "torque", "rub", "cogging")
+STEADY = ("kp", "tau_v", "v_max", "uneven", "delay", "torque", "rub", "cogging", "dry")
 LASTS = 200  # rows from which on loops that change meanwhile are stepped side by side up to there
 
-LOOP = (*SERVO_OF_EACH, "uneven", "pull", "load", "torque", "rub", "dead_zone", "cogging")
+LOOP = (*SERVO_OF_EACH, "uneven", "pull", "load", "torque", "rub", "dead_zone", "cogging", "dry")
 
 
 def servo_core(arm: Arm, effects: Sequence[Effect], now: Now, numbers: Array | None = None) -> Core:
@@ -48,6 +48,7 @@ def servo_core(arm: Arm, effects: Sequence[Effect], now: Now, numbers: Array | N
         cogging=none,
         quickest=none + np.inf,
         hardest=none + np.inf,
+        dry=none,
         teeth=np.zeros((2, 1, columns)),
     )
     for e in effects:
@@ -149,7 +150,7 @@ def _side_by_side(
 
 
 def _limits(core: Core) -> Array:
-    return np.stack([core.quickest, core.hardest])
+    return np.stack(np.broadcast_arrays(core.quickest, core.hardest, core.dry))
 
 
 def _changes(core: Core, rows: int) -> list[int]:

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from trunk_ros.compiled import Array
-from trunk_ros.effects.servo.loop import servo_loop, servo_loops
+from trunk_ros.effects.servo.loop import servo_loop, servo_loops, unlimited
 
 
 def _run(loop: Callable[..., Any], period: float) -> Array:
@@ -20,7 +20,7 @@ def _run(loop: Callable[..., Any], period: float) -> Array:
     if loop is servo_loops:
         numbers = [each[0] for each in numbers]
     torque, rub, cogging = 0.0 * one, 0.0 * one, np.zeros((3, 1, 2))
-    limits = np.full((2, 1, 2), np.inf)
+    limits = unlimited(2)
     if loop is servo_loop:
         torque, rub = torque[None], rub[None]
     else:

@@ -66,6 +66,8 @@ class Core:
     highest: Array | float = np.inf
     quickest: Array = field(default_factory=lambda: NONE)
     """(1, columns) rad/s at which the drive moves its own setpoint to that it got; inf: at once."""
+    dry: Array = field(default_factory=lambda: NONE)
+    """(1 or n, columns) rad of error that the motor's own dry friction holds."""
     hardest: Array = field(default_factory=lambda: NONE)
     """(1, columns) rad/s^2 by which the servo's speed changes at most; inf: as its loop asks."""
     geometry: Geometry = field(default_factory=lambda: AS_DESCRIBED)

@@ -9,7 +9,7 @@ import numpy as np
 from trunk_ros.compiled import Array
 from trunk_ros.data.mix_ups.pair import MixUp, Pair, correlation
 from trunk_ros.data.noise import alike
-from trunk_ros.effects.servo.loop import fresh, servo_loop
+from trunk_ros.effects.servo.loop import fresh, servo_loop, unlimited
 from trunk_ros.levels import ENOUGH, NOTABLE, OUTLIERS, PART, SOME
 
 GAINS = (0.5, 2.0, 8.0, 32.0, 128.0)  # 1/s
@@ -71,7 +71,7 @@ def _paths(stamp: Array, asked: Array, went: Array) -> Array:
     many = len(gain)
     none, paths = np.zeros((1, many)), np.empty((len(stamp), many))
     loop = gain[None], 1.0 / (4.0 * gain[None]), top[None], top[None], delay[None]  # critically damped
-    none_of_it = none, none, none, none, none[0], none, np.zeros((3, 1, many)), np.full((2, 1, many), np.inf)
+    none_of_it = none, none, none, none, none[0], none, np.zeros((3, 1, many)), unlimited(many)
     setpoint, state = np.repeat(asked[:, None], many, axis=1), fresh(np.full(many, went[0]))
     servo_loop(setpoint, stamp, *loop, *none_of_it, 0.0, 0, state, paths)
     return paths

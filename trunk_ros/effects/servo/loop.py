@@ -7,7 +7,7 @@ import numpy as np
 from trunk_ros.arm.arm import STEP
 from trunk_ros.compiled import Array, compiled
 from trunk_ros.effects.servo.asked import ask, beyond, speed_asked
-from trunk_ros.guards import ROUNDED
+from trunk_ros.effects.servo.speed import held_back, rise, towards
 from trunk_ros.sine import sine
 
 CLOSE = 0.25  # of the time that a position loop takes: longer steps would make a stiff one swing
@@ -24,10 +24,9 @@ def fresh(angle: Array, speed: Array | float = 0.0) -> Array:
     return np.stack([angle, speed + none, angle, none + np.nan, none + np.nan])
 
 
-@compiled
-def towards(now: float, wanted: float, most: float) -> float:
-    """From ``now`` on to what is ``wanted``, by no more than ``most``."""
-    return now + min(max(wanted - now, -most), most)
+def unlimited(columns: int) -> Array:
+    """(3, 1, columns) limits of loops that have none."""
+    return np.repeat([[[np.inf]], [[np.inf]], [[0.0]]], columns, axis=2)
 
 
 @compiled
@@ -35,19 +34,6 @@ def at(numbers: Array, row: int, column: int) -> float:
     """What holds in a row, of numbers (1 or n, columns)."""
     value: float = numbers[min(row, len(numbers) - 1), column]
     return value
-
-
-@compiled
-def rise(h: float, tau: float, ahead: float) -> float:
-    """How much of what it is asked for a speed comes nearer to in a step, as in as many of ``1 - 2 ahead`` of
-    it as go into one.
-    """
-    own = (1.0 - 2.0 * ahead) * h
-    if ahead == 0.0 and tau >= h:
-        return h / tau
-    if own <= ROUNDED * h or tau <= own:
-        return -float(np.expm1(-h / tau))
-    return -float(np.expm1(h / own * np.log1p(-own / tau)))
 
 
 @compiled
@@ -77,10 +63,10 @@ def servo_loop(
     ``setpoint`` (m, columns) and ``stamp`` (m,) start with the ``skip`` past rows that a delay may need, and
     may go on beyond ``out`` (n, columns), for delays below 0; ``state`` (5, columns) is angle, speed, where
     the wire stuck, what the load pulled and how far the drive's own setpoint came (NaN: the run begins) at
-    row ``skip - 1``. The numbers of the loop (1 or n, columns), ``cogging`` (3, likewise), ``limits`` (2,
-    likewise) of how fast the drive moves its own setpoint on, and of how fast the speed changes; ``reach``
-    (columns,). A wire that slides holds the shaft back by ``rub``, from
-    ``reach`` beyond where it stuck; a shorter reach than ``rub`` would make the loop stiffer than its own
+    row ``skip - 1``. The numbers of the loop (1 or n, columns), ``cogging`` (3, likewise), ``limits`` (3,
+    likewise) of how fast the drive moves its own setpoint on, of how fast the speed changes, and the error
+    that the motor's dry friction holds; ``reach`` (columns,). A wire that slides holds the shaft back by
+    ``rub``, from ``reach`` beyond where it stuck; a shorter reach would make the loop stiffer than its own
     gain. A wire that sticks keeps its tension: a ``load`` (rad of the setpoint) that changes meanwhile only
     brings it nearer to sliding. Between two rows the mean of their loads acts. Of what wires pull the share
     ``torque`` acts past the top speed that the position loop may ask for, the rest before it.
@@ -100,7 +86,7 @@ def servo_loop(
             pulled, rubs, zone = at(pull, r, j), at(rub, r, j), at(dead_zone, r, j)
             bears, past = at(load, r, j), at(torque, r, j)
             size, cycles, phase = at(cogging[0], r, j), at(cogging[1], r, j), at(cogging[2], r, j)
-            quickest, hardest = at(limits[0], r, j), at(limits[1], r, j)
+            quickest, hardest, dry = at(limits[0], r, j), at(limits[1], r, j), at(limits[2], r, j)
             if led != led and quickest < np.inf:
                 led = phi + v / gain  # where a loop that goes at that speed is led
             moved = 0.0
@@ -152,6 +138,8 @@ def servo_loop(
                         v = towards(v, v + smooth * (v_ref - v), hardest * h)
                     else:
                         v += smooth * (v_ref - v)
+                    if dry != 0.0:
+                        v = held_back(v, smooth * gain * dry)
                     phi += h * (v + ahead * (before - v))
             stuck -= moved
             out[k - skip, j] = phi
@@ -200,6 +188,7 @@ def servo_loops(
             held[j] = max(np.searchsorted(stamp, stamp[skip - 1] - delay[j], side="right") - 1, 0)
     rubs, cogs = np.any(rub != 0.0), np.any(cogging[0] != 0.0)
     leads, strains = np.any(limits[0] < np.inf), np.any(limits[1] < np.inf)
+    dries = np.any(limits[2] != 0.0)
     for j in range(columns):
         if led[j] != led[j] and limits[0, j] < np.inf:
             led[j] = phi[j] + v[j] / kp[j]
@@ -288,6 +277,8 @@ def servo_loops(
                         v[j] = v_ref if goes_on else before
                     else:
                         v[j] += (smooth[j] if goes_on else 0.0) * (v_ref - before)
+                    if dries and goes_on and limits[2, j] != 0.0:
+                        v[j] = held_back(v[j], smooth[j] * kp[j] * limits[2, j])
                     phi[j] += (h[j] if goes_on else 0.0) * (v[j] + ahead * (before - v[j]))
         for j in range(columns):
             stuck[j] -= moved[j]

@@ -11,7 +11,8 @@ from trunk_ros.arm.arm import SERVO_OF_EACH, STEP
 from trunk_ros.arm_model import ArmModel
 from trunk_ros.compiled import Array, compiled
 from trunk_ros.effects import effect
-from trunk_ros.effects.servo.loop import CLOSE, rise, towards
+from trunk_ros.effects.servo.loop import CLOSE
+from trunk_ros.effects.servo.speed import rise, towards
 from trunk_ros.errors import ModelError
 from trunk_ros.export.missing import missing
 from trunk_ros.export.reality.scene import Scene

@@ -93,7 +93,7 @@ class Servo:
             size, cycles, phase = self.cogging
             x = x + size * sines(np.ascontiguousarray(cycles * x), phase)
         x = self._held_back(x, core.load, columns)
-        x = self._stopped_short(x, core.dead_zone, columns)
+        x = self._stopped_short(x, core.dead_zone + core.dry, columns)
         for block in self.behind:
             x = block.run(x, scene, anew)
         return x
@@ -146,7 +146,7 @@ class Servo:
         return (flat - share * (leans - stuck)).reshape(x.shape)
 
     def _stopped_short(self, x: Array, zone: Array, anew: np.ndarray | None) -> Array:
-        """What a loop makes of errors that it does not answer to: it stops short by the zone."""
+        """What a loop makes of errors that it does not answer to, or that friction holds: it stops short."""
         if not zone.any():
             return x
         flat = x.reshape(1, -1)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from trunk_ros.compiled import Array, compiled
-from trunk_ros.effects.servo.loop import fresh, servo_loop
+from trunk_ros.effects.servo.loop import fresh, servo_loop, unlimited
 
 QUICKER = 2.0  # times the servo's own pace: setpoints then run ahead by up to its square of what they would
 PERIODS = 50  # that a mean is taken of
@@ -60,7 +60,7 @@ class Lead:
         self._most = float(np.mean(self._late + self._delay))
         up, down = tops
         law = gain[None], row + tau_v, row + up, row + down, row, row, row, row, row, none, row
-        self._law = *law, np.zeros((3, 1, len(gain))), np.full((2, 1, len(gain)), np.inf), ahead
+        self._law = *law, np.zeros((3, 1, len(gain))), unlimited(len(gain)), ahead
 
     @property
     def sight(self) -> float:
