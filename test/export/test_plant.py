@@ -113,6 +113,7 @@ def test_servos_of_any_numbers_go_as_simulate_has_them(servo: dict[str, Any]) ->
         ({"delay": 0.02}, {"servo_delay": {"delay": -0.01}}),
         ({}, {"setpoint_ceiling": {"upper": 0.3}}),
         ({}, {"acceleration_limit": {"acceleration": 6.0}}),
+        ({}, {"motor_friction": {"friction": 0.01}}),
     ],
     ids=[
         "slower",
@@ -123,6 +124,7 @@ def test_servos_of_any_numbers_go_as_simulate_has_them(servo: dict[str, Any]) ->
         "less late",
         "clipped",
         "current-limited",
+        "dry",
     ],
 )
 def test_servos_at_their_top_speed_go_as_simulate_has_them(

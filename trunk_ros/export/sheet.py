@@ -15,7 +15,7 @@ from trunk_ros.export.missing import missing
 from trunk_ros.model import Model
 
 TERMS = ("friction", "damping", "armature")  # of bodies.yaml, which a file can have
-AT_THE_MOTOR = ("load_droop", "servo_bandwidth", "unknown_servo")
+AT_THE_MOTOR = ("load_droop", "motor_friction", "servo_bandwidth", "unknown_servo")
 """What friction and masses do to a motor, by the names of a diagnosis that knows neither."""
 TWICE = "{}: left out: friction and masses do that to the motors, and they are written as bodies"
 TAKEN = "{}: not written, {} is in its place; it lies before the wire, in the servo's own loop"

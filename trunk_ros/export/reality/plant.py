@@ -12,7 +12,7 @@ from trunk_ros.arm_model import ArmModel
 from trunk_ros.compiled import Array, compiled
 from trunk_ros.effects import effect
 from trunk_ros.effects.servo.loop import CLOSE
-from trunk_ros.effects.servo.speed import rise, towards
+from trunk_ros.effects.servo.speed import held_back, rise, towards
 from trunk_ros.errors import ModelError
 from trunk_ros.export.missing import missing
 from trunk_ros.export.reality.scene import Scene
@@ -79,7 +79,7 @@ class Plant:
 
     def _begin(self) -> None:
         environments = self._shape[0]
-        self._servo, self._wire = Servo(self.model, environments), Wire(self.model, environments)
+        self._servo, self._wire = Servo(self.model, environments, True), Wire(self.model, environments)
         self._arm, self._time = self.model.loaded_arm(), 0.0
         self._loop = [np.full(self._shape[1], n) for n in (self._arm.kp, self._arm.tau_v, *self._tops)]
         self._gearbox, self._velocity, self._theta = (np.zeros(self._shape) for _ in range(3))
@@ -98,8 +98,8 @@ class Plant:
         gearbox, velocity = before.copy(), self._velocity.copy()
         arm = self._arm
         kp, tau_v, up, down = self._loop
-        hardest = np.ascontiguousarray(self._servo.hardest)
-        follow(wanted, dt, kp, tau_v, up, down, hardest, arm.ahead, gearbox, velocity)
+        hardest, dry = map(np.ascontiguousarray, (self._servo.hardest, self._servo.dry))
+        follow(wanted, dt, kp, tau_v, up, down, hardest, dry, arm.ahead, gearbox, velocity)
         self._time += dt
         theta = self._theta + (gearbox - before) * arm.ratio
         now = Scene(arm, self.model.duration, dt, gearbox, theta, velocity * arm.ratio)
@@ -126,13 +126,14 @@ def follow(
     up: Array,
     down: Array,
     hardest: Array,
+    dry: Array,
     ahead: float,
     gearbox: Array,
     velocity: Array,
 ) -> None:
     """Move motor-side angles and velocities (environments, joints) by ``dt`` s under setpoints, in place, by
     servos with these numbers (joints,), ``up`` and ``down`` being top speeds, ``hardest`` the limits of their
-    accelerations, ``ahead`` as in ``servo_loop``.
+    accelerations, ``dry`` the errors that friction holds, ``ahead`` as in ``servo_loop``.
     """
     for j in range(setpoints.shape[1]):
         steps = max(int(np.ceil(dt / min(STEP, CLOSE / kp[j]) - 1e-9)), 1)
@@ -143,5 +144,6 @@ def follow(
                 before = velocity[e, j]
                 error = setpoints[e, j] - (gearbox[e, j] + ahead * h * before)
                 wanted = min(max(kp[j] * error, -down[j]), up[j])
-                velocity[e, j] = towards(before, before + smooth * (wanted - before), hardest[j] * h)
+                after = towards(before, before + smooth * (wanted - before), hardest[j] * h)
+                velocity[e, j] = held_back(after, smooth * kp[j] * dry[j])
                 gearbox[e, j] += h * (velocity[e, j] + ahead * (before - velocity[e, j]))

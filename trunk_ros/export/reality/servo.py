@@ -22,7 +22,8 @@ class Servo:
     The simulator's own position loop stays in its place: only what it lacks is put before it.
     """
 
-    def __init__(self, model: ArmModel, environments: int):
+    def __init__(self, model: ArmModel, environments: int, steps_loop: bool = False):
+        """``steps_loop``: whoever asks steps the loops as well, with ``hardest`` and ``dry``."""
         arm, effects = model.arm, model.bound("servo")
         self.blocks = [Block(e, arm, environments) for e in effects if e.acts_at == Effect.CORE]
         self.behind = [Block(e, arm, environments) for e in effects if e.acts_at > Effect.CORE]
@@ -47,6 +48,9 @@ class Servo:
         )
         self.hardest = np.broadcast_to(np.ravel(core.hardest), len(arm.joints))
         """(joints,) rad/s^2: for who steps the loop; no command shows another one's speed its limit."""
+        self.dry = np.broadcast_to(np.ravel(core.dry), len(arm.joints))
+        """(joints,) rad that friction holds: commands that lag by it have another loop go alike, slowly."""
+        self.short = np.zeros_like(self.dry) if steps_loop else self.dry
         limited = core.bounded or bool(np.isfinite(led).any())
         self.passes = not (self.blocks or limited)
         self.gain = spread(core.kp)
@@ -93,7 +97,7 @@ class Servo:
             size, cycles, phase = self.cogging
             x = x + size * sines(np.ascontiguousarray(cycles * x), phase)
         x = self._held_back(x, core.load, columns)
-        x = self._stopped_short(x, core.dead_zone + core.dry, columns)
+        x = self._stopped_short(x, core.dead_zone + self.short, columns)
         for block in self.behind:
             x = block.run(x, scene, anew)
         return x
