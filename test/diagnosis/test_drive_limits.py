@@ -1,4 +1,4 @@
-"""What drives do to their setpoints is told by its name, and holds on another motion."""
+"""What drives do to their setpoints, or do not get done, is told by its name, and holds on another motion."""
 
 from __future__ import annotations
 
@@ -26,6 +26,7 @@ def limited(effects: dict[str, Any], seed: int) -> Recording:
         ("setpoint_ceiling", {"upper": np.array([1e4, 0.2, 1e4])}, "elbow"),
         ("setpoint_floor", {"lower": np.array([-0.15, -1e4, -1e4])}, "shoulder"),
         ("acceleration_limit", {"acceleration": 6.0}, "arm"),
+        ("motor_friction", {"friction": 0.003}, "arm"),
     ],
 )
 def test_it_is_told_by_its_name(name: str, values: dict[str, Any], at: str) -> None:
