@@ -48,6 +48,15 @@ def test_samples_of_a_profile_are_no_quicker_servo(fastest: float) -> None:
     assert any("samples of what moves on" in note for note in found.quality["sampled"]["notes"])
 
 
+def test_what_other_servos_would_explain_as_well_is_samples_all_the_same() -> None:
+    """Read in counts of 0.8 mrad, other delays nearly explain it too: it had been a ``servo_delay``."""
+    made, fine = sampled(), 2 * np.pi / 2**13
+    shafts = made.series["gearbox_states"]
+    coarse = replace(shafts, position=np.round(shafts.position / fine) * fine)
+    found = diagnose(replace(made, series={**made.series, "gearbox_states": coarse}), model=_stated())
+    assert (found.verdict, found.model.setpoints) == ("no_mismatch", "sampled")
+
+
 @pytest.mark.parametrize("kp", [20.0, 22.2, 26.0])
 def test_setpoints_that_are_held_are_no_samples_whatever_the_servo(kp: float) -> None:
     found = diagnose(recorded_servos(PLAIN | {"kp": (kp,) * 3}, after=0.0), model=_stated())

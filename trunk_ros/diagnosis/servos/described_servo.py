@@ -47,17 +47,19 @@ def with_its_setpoints(model: Model, recordings: Sequence[Recording], told: Sequ
     """A model that says its servos, with setpoints that are samples of what moves on between them, where it
     does not say what they are, and its loops then go as told, or those that effects can make of them,
     ``told``, are clearly nearer to the shafts, and about as near as other velocity loops and late stamps
-    would be: samples look like servos that are quicker, by half of the time between two of them. What a rough
-    fit of its loops explains needs no other setpoints.
+    would be: samples look like servos that are quicker, by half of the time between two of them. Where
+    samples leave the loops as told, no fit of held setpoints is asked; else, what a rough one explains stays.
     """
     if model.setpoints_stated or model.setpoints == SAMPLED:
         return model
-    if not any(_leads(*one, recordings) for one in told) or _is_hardly_more(_left(told, quickly=True)):
+    if not any(_leads(*one, recordings) for one in told):
         return model
     sampled = replace(model, setpoints=SAMPLED)
     others = _told(sampled, recordings)
     if all(is_explained(loop, _but_for_a_lag(loop, numbers)) for loop, numbers in others):
         return sampled
+    if _is_hardly_more(_left(told, quickly=True)):
+        return model
     nearer = _clearly_nearer(others, told) and not _clearly_nearer(_early(told), others)
     return sampled if nearer and _explain_as_much(_left(others, quickly=True), told) else model
 
