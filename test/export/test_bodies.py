@@ -148,11 +148,12 @@ def test_friction_is_not_written_where_backlash_and_lag_are(tmp_path: Path) -> N
 
 
 def test_what_friction_and_masses_do_to_motors_is_written_once(tmp_path: Path) -> None:
-    effects = {"load_droop": {"gain": 0.01}, "servo_delay": {"delay": 0.02}}
-    model = Model(model_of().arm, effects)
+    of_motors = {"load_droop": {"gain": 0.01}, "motor_friction": {"friction": 2e-3}}
+    model = Model(model_of().arm, {**of_motors, "servo_delay": {"delay": 0.02}})
     sheet = written(tmp_path, file_of(), model)
-    assert any(remark.startswith("load_droop: left out") for remark in sheet.remarks)
-    assert "load_droop" not in sheet.layer.effects
+    for name in of_motors:
+        assert any(remark.startswith(f"{name}: left out") for remark in sheet.remarks)
+        assert name not in sheet.layer.effects
     assert "servo_delay" in str([*sheet.lines, *sheet.left])
     alone = written(tmp_path, file_of(), model, Bodies(("run",), {}, JOINTS[-1], None, None))
     assert "load_droop" in str([*alone.lines, *alone.left])

@@ -12,6 +12,7 @@ from test.effects.example import WIRE, everything, model_of, motion, stamps
 from trunk_ros.chain import Chain
 from trunk_ros.compiled import Array
 from trunk_ros.effects import effect
+from trunk_ros.effects.curve import VALUES
 from trunk_ros.errors import ModelError
 from trunk_ros.export.missing import missing
 from trunk_ros.export.reality import RealityLayer
@@ -188,6 +189,20 @@ def test_friction_on_some_motors_leaves_the_others_alone() -> None:
     off = np.abs(sent - plain).max(axis=0)
     assert (off[friction > 0.0] > 1e-5).all()
     np.testing.assert_allclose(off[1:4], 0.0, atol=1e-5)
+
+
+def test_a_motor_that_rubs_in_a_dead_zone_stops_short_by_the_larger_of_both() -> None:
+    arm = load_model("trunk").arm
+    zone = {"on": ["position"] * 5, "low": np.full(5, -1.0), "high": np.full(5, 1.0)}
+    zone |= {p.name: np.full(5, 3e-3) for p in VALUES}
+    commands = np.tile(np.interp(STAMP, [1.0, 4.0], [0.0, 0.3])[:, None], (1, 5))
+    model = Model(arm, {"unknown_dead_zone": zone, "motor_friction": {"friction": 5e-3}})
+    stands = Chain(model, "servo").run(commands, STAMP)[0][-1]
+    sent = [RealityLayer(Model(arm, some)) for some in (model.effects, {})]
+    with_them, without = (
+        [layer.step(one, one * arm.ratio, 1 / RATE)[0] for one in commands][-1] for layer in sent
+    )
+    np.testing.assert_allclose(without - with_them, commands[-1] - stands, rtol=0.05)
 
 
 def test_what_the_simulator_has_is_not_added_again() -> None:

@@ -97,7 +97,8 @@ class Servo:
             size, cycles, phase = self.cogging
             x = x + size * sines(np.ascontiguousarray(cycles * x), phase)
         x = self._held_back(x, core.load, columns)
-        x = self._stopped_short(x, core.dead_zone + self.short, columns)
+        zone = np.maximum(core.dead_zone, self.short)  # what one of them holds, the other one need not
+        x = self._stopped_short(x, zone, columns)
         for block in self.behind:
             x = block.run(x, scene, anew)
         return x
