@@ -190,7 +190,7 @@ class Pacer(Node):
     def gather(self, silent: float) -> None:
         """Wait until all nodes are there and connected."""
         there = not self.ledger.missing() and not self.unrecorded() and not self.unheard()
-        self.settled = self.settled + 1 if there and not self.loose() else 0
+        self.settled = self.settled + 1 if there and self.placed() and not self.loose() else 0
         if not there:
             self.complete = time.monotonic()
         ready = self.settled >= SETTLED or (there and time.monotonic() - self.complete > CONNECT)
@@ -226,6 +226,10 @@ class Pacer(Node):
             self.pace = replace(self.pace, seconds=self.pace.seconds + takes)
             self.say(f"the arm stands elsewhere than the motion begins: {takes:.1f} s more to get there")
         return later
+
+    def placed(self) -> bool:
+        """Whether it is known where another's arm stands, which a motion may have to begin from."""
+        return self.pace.arm is None or self.pace.trajectory is None or bool(self.stands)
 
     def unheard(self) -> str:
         """A topic of others that nobody publishes yet."""
