@@ -66,7 +66,7 @@ def servo_loop(
     row ``skip - 1``. The numbers of the loop (1 or n, columns), ``cogging`` (3, likewise), ``limits`` (3,
     likewise) of how fast the drive moves its own setpoint on, of how fast the speed changes, and the error
     that the motor's dry friction holds; ``reach`` (columns,). A wire that slides holds the shaft back by
-    ``rub``, from ``reach`` beyond where it stuck; a shorter reach would make the loop stiffer than its own
+    ``rub``, from ``reach`` beyond where it stuck, no less than ``rub``: the loop would be stiffer than its
     gain. A wire that sticks keeps its tension: a ``load`` (rad of the setpoint) that changes meanwhile only
     brings it nearer to sliding. Between two rows the mean of their loads acts. Of what wires pull the share
     ``torque`` acts past the top speed that the position loop may ask for, the rest before it.

@@ -19,7 +19,8 @@ class Lead:
 
     The motors go over to where they are wanted as m'' = w^2 (wanted - m) - 2 w m', critically damped; the
     setpoint is the one that brings the servo next to that in a period. m is where it stands by its equations
-    under the setpoints that really went out: what a limit held back is caught up with, not overshot.
+    under the setpoints that really went out, after its delay: what a limit held back is caught up with, not
+    overshot.
     """
 
     def __init__(
