@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import signal
 import subprocess
@@ -228,6 +229,22 @@ def test_an_output_that_may_not_be_written_is_said_before_the_work(
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(os, "access", lambda path, mode: "locked" not in Path(path).parts)
     assert refused(*command.split()).endswith(f"Permission denied in {tmp_path / 'locked'}")
+
+
+@pytest.mark.parametrize("number", [errno.ENOSPC, errno.EROFS])
+def test_a_disk_that_takes_nothing_is_said_before_the_work(
+    number: int, tmp_path: Path, monkeypatch, refused
+) -> None:
+    """Root may write anywhere, as far as permissions tell. There is nothing to work on here."""
+
+    def full(self: Path, data: bytes) -> int:
+        raise OSError(number, os.strerror(number), str(self))
+
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(Path, "write_bytes", full)
+    said = refused("diagnose", "bag", "--output", "new/out")
+    assert said.endswith(f"new/out cannot be written: {os.strerror(number)} in {tmp_path}")
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_loops_are_compiled_anew_where_no_cache_can_be_written(monkeypatch) -> None:

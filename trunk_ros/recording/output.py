@@ -12,6 +12,7 @@ from pathlib import Path
 from trunk_ros.errors import ArgumentError
 
 BAG_FILES = ("metadata.yaml", "*.mcap", "*.db3", "*.db3-*", "*.zstd", "*.mcap.damaged")
+PAGE = 2**20  # bytes that any output may take
 
 
 def prepare_output(path: str | Path, overwrite: bool, known: Sequence[str] | None = None) -> Path:
@@ -32,6 +33,11 @@ def prepare_output(path: str | Path, overwrite: bool, known: Sequence[str] | Non
         raise ArgumentError(f"{path} cannot be an output: {there} is a file, not a folder")
     if not os.access(there, os.W_OK | os.X_OK):
         raise ArgumentError(f"{path} cannot be written: {os.strerror(errno.EACCES)} in {there}")
+    try:  # permissions do not tell of a full disk, and root is told that it may write anywhere
+        with tempfile.TemporaryDirectory(dir=there, prefix=f".{path.name}.") as tried:
+            (Path(tried) / "page").write_bytes(bytes(PAGE))
+    except OSError as error:
+        raise ArgumentError(f"{path} cannot be written: {error.strerror or error} in {there}") from None
     return path
 
 
