@@ -276,6 +276,20 @@ def test_a_joint_under_two_names_is_refused_by_both(good: Recording) -> None:
         refuse_misnamed(mixed, DIRECT)
 
 
+def test_a_joint_that_no_topic_has_is_told_before_the_search(good: Recording) -> None:
+    """It had been told at the end, when the search had taken minutes."""
+    model = Model(replace(TRUNK.arm, joints=("luff", *TRUNK.arm.joints[1:])))
+    told: list[str] = []
+
+    def begins(_: str) -> None:
+        raise StopIteration
+
+    with pytest.raises(StopIteration):
+        diagnose([good, good], model, progress=begins, doubts=told.append)
+    (line,) = told
+    assert line.startswith("joint_1 left out: the model has no such joint, and no topic has its luff")
+
+
 @pytest.mark.parametrize(
     ("one", "other", "alike"),
     [
@@ -283,6 +297,9 @@ def test_a_joint_under_two_names_is_refused_by_both(good: Recording) -> None:
         ("LShoulderPitch", "RShoulderPitch", False), ("LHand", "RHand", False), ("waist", "wrist", False),
         ("jointA", "jointB", False), ("lwrist", "rwrist", False), ("bendx", "bendy", False),
         ("shoulder_left", "shoulder_lift", False), ("joint_1_1", "joint_11", False),
+        ("luff", "lufff", True), ("luf", "luff", True), ("slew_1", "sleew_1", True), ("elbow", "elbw", True),
+        ("shuolder", "shoulder", True), ("wrist", "wirst", True), ("q4", "q5", False), ("A1", "A2", False),
+        ("joint_1", "joint_2", False), ("roll", "rail", False), ("HR", "HPR", False), ("LHP", "LHY", False),
     ],
 )  # fmt: skip
 def test_what_is_a_slip_of_the_pen_and_what_another_joint(one: str, other: str, alike: bool) -> None:

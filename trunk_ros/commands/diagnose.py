@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from trunk_ros import __version__
 from trunk_ros.console.arguments import SETTLE, Parser, add_namespace, add_settle, count
-from trunk_ros.console.console import say
+from trunk_ros.console.console import say, warn
 from trunk_ros.console.progress import progress
 from trunk_ros.errors import ArgumentError
 
@@ -88,6 +88,7 @@ def main(argv: list[str]) -> int:
             asked.namespace,
             urdf,
             asked.settle,
+            doubts=warn,
         )
         result.provenance = {
             "command": shlex.join(["trunk_ros", "diagnose", *argv]),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Sequence
 from enum import IntEnum
 
@@ -35,6 +36,12 @@ def say(*lines: str) -> None:
     if asked() > Level.QUIET:
         for line in lines:
             print(line)
+
+
+def warn(line: str) -> None:
+    """Print a line on the standard error, unless the command was asked to be quiet."""
+    if asked() > Level.QUIET:
+        print(f"trunk_ros: {line}", file=sys.stderr, flush=True)
 
 
 def columns(rows: Sequence[Sequence[str]]) -> list[str]:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable
-from difflib import SequenceMatcher
 
 from trunk_ros.arm_model import ArmModel
 from trunk_ros.errors import RecordingError
@@ -44,7 +43,7 @@ def _nearest(joint: str, names: Iterable[str]) -> str:
 
 
 def _is_alike(one: str, other: str) -> bool:
-    """Whether names differ by capitals and separators, or by one letter within a long word: left and right,
+    """Whether names differ by capitals and separators, or by a slip of the pen in one word: left and right,
     or 1 and 2, are other joints of one arm, and so may be what begins or ends with another letter.
     """
     words = [re.findall(r"\d+|[A-Z]+(?![a-z])|[A-Z]?[a-z]+", name) for name in (one, other)]
@@ -57,9 +56,15 @@ def _is_alike(one: str, other: str) -> bool:
 
 
 def _is_slip(one: str, other: str) -> bool:
-    """Whether two words of more than five letters are one but for a letter within."""
-    if min(len(one), len(other)) <= 5 or (one[0], one[-1]) != (other[0], other[-1]):
+    """Whether two words are one but for a letter too many within, or two in each other's place; of more than
+    five letters also but for another one: waist and wrist are two.
+    """
+    if min(len(one), len(other)) <= 2 or (one[0], one[-1]) != (other[0], other[-1]):
         return False
-    codes = SequenceMatcher(None, one, other, autojunk=False).get_opcodes()
-    changed = [(j - i, n - m) for code, i, j, m, n in codes if code != "equal"]
-    return len(changed) == 1 and max(changed[0]) == 1
+    if len(one) != len(other):
+        short, long = sorted((one, other), key=len)
+        return short in (long[:k] + long[k + 1 :] for k in range(len(long)))
+    differ = [k for k, (a, b) in enumerate(zip(one, other, strict=True)) if a != b]
+    if len(differ) == 1:
+        return len(one) > 5
+    return len(differ) == 2 and differ[1] - differ[0] == 1 and sorted(one) == sorted(other)

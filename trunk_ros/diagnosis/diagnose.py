@@ -7,6 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from trunk_ros.data.put_right import put_right
+from trunk_ros.data.quality import strangers
 from trunk_ros.diagnosis.diagnoser import Diagnoser, Progress
 from trunk_ros.diagnosis.nominal_model import described
 from trunk_ros.diagnosis.resources.cores import one_thread
@@ -38,6 +39,7 @@ def diagnose(
     settle: float = SETTLE,
     servos: Servos | None = None,
     experiments: bool = True,
+    doubts: Progress = lambda _: None,
 ) -> Diagnosis:
     """Compare recordings of one arm with a model, and find what the model leaves out.
 
@@ -51,6 +53,8 @@ def diagnose(
     that tell how the wires lay where a recording that stops to measure begins; 0: none.
     ``servos``: of the arm, found in other recordings where the model says nothing of them. ``experiments``:
     whether motions are designed that tell findings from their equivalents, up to a third of the time.
+    ``doubts`` is told, before the search begins, in a line each which joints are left out under names that
+    the model has not.
     Raises RecordingError or ModelError in one line.
     """
     keep_what_is_freed()
@@ -68,6 +72,9 @@ def diagnose(
     nominal, read = described(model, read, urdf)
     give_back()
     read, mixed = put_right(read, nominal)
+    shared = [recording for recording in read if {*nominal.arm.joints} & {*recording.joints}]  # else refused
+    for doubt in dict.fromkeys(line for recording in shared for line in strangers(recording, nominal)):
+        doubts(doubt)
     give_back()
     if other is None:
         return Diagnoser(read, nominal, None, progress, mixed, experiments, settle, servos).run()
