@@ -131,3 +131,25 @@ def test_counts_are_told_in_numbers_of_six_decimals():
     for first in range(0, 400, 8):
         readings = np.round(np.round(2.4 * np.sin(0.9 * T) / fine) * fine, 6)[first:]
         assert count(readings) == pytest.approx(fine, rel=1e-4), first
+
+
+@pytest.mark.parametrize(("bits", "decimals"), [(14, 4), (15, 5), (16, 5), (17, 5), (18, 5), (20, 6)])
+def test_counts_are_told_in_numbers_that_are_nearly_as_coarse(bits: int, decimals: int) -> None:
+    """Printed numbers lie up to a fifth of a count off the encoder's grid, which counted as no grid."""
+    fine = 2 * np.pi / 2**bits
+    for first, path in enumerate((2.4 * np.sin(0.9 * T), moving())):
+        printed = np.round(np.round(path / fine) * fine, decimals)[37 * first :]
+        assert count(printed) == pytest.approx(fine, rel=1e-4)
+        assert count(np.rad2deg(printed)) == pytest.approx(np.rad2deg(fine), rel=1e-4)
+
+
+@pytest.mark.parametrize("decimals", [3, 5, 6])
+def test_printed_numbers_alone_are_no_coarser_grid(decimals: int) -> None:
+    """Of noise, of a joint that rests, and of whole numbers."""
+    draws, rests = np.random.default_rng(0), np.arange(len(T)) % 400 < 300
+    noise = draws.normal(size=len(T))
+    for path in (0.4 * noise, np.cumsum(1e-3 * noise), 0.3 + np.where(rests, 0.0, moving()), moving()):
+        for length in (60, 200, len(T)):
+            assert count(np.round(path[:length], decimals)) in (0.0, pytest.approx(10.0**-decimals))
+            whole = count(np.round(10.0**decimals * path[:length]) / 7.0)
+            assert whole in (0.0, pytest.approx(1 / 7.0))

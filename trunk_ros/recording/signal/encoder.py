@@ -17,6 +17,8 @@ KINDS = 4  # different steps, in counts, from which a grid of readings is an enc
 VARIES = 0.02  # of the steps that are unlike the one before: at constant speed all are alike without rounding
 MANY = 50  # different readings of a slow joint that tell its grid: a list of postures has fewer
 ON_GRID = 0.02  # counts
+LEAST = 1e-9  # what readings differ by that are not the same
+BEGUN = np.array([0.0, 0.25, 0.5, 0.75, 1.0])  # printed steps by which the least distance may be rounded down
 REACHES = (*(5.0 * 6.0 ** np.arange(6)), np.inf)  # counts: each no further than the one before tells the step
 NEAR = 0.55  # counts that a reading may lie from a curve through it and its neighbours
 CALM = 200  # samples in which a joint may hardly move
@@ -85,22 +87,36 @@ def _noise(readings: Floats) -> float:
 
 
 def count(readings: Floats) -> float:
-    """The step of the encoder that readings (n,) come from, in their unit; 0 where they lie on no grid: the
-    least that one differs by from the next, or, of a joint that went far between all samples, from any.
-    """
+    """The step of the encoder that readings (n,) come from, in their unit; 0 where they lie on no grid."""
     known = readings[np.isfinite(readings)]
-    return _grid_of(known, np.abs(np.diff(known))) or _grid_of(known, np.diff(np.unique(known)))
-
-
-def _grid_of(known: Floats, apart: Floats) -> float:
-    """The step of a grid on which readings (n,) lie, the smallest of some distances (k,); 0 where none is."""
-    smallest = apart[apart > 1e-9].min(initial=np.inf)
-    if not np.isfinite(smallest):
+    places = np.unique(known)
+    places = places[np.diff(places, prepend=-np.inf) > LEAST]
+    if len(places) < 2:
         return 0.0
-    step = _refined(known - known[0], _refined(apart, float(smallest)))
+    smallest = float(np.diff(places).min())
+    return _grid_of(known, places, smallest, 0.0) or _of_printed(known, places, smallest)
+
+
+def _of_printed(known: Floats, places: Floats, smallest: float) -> float:
+    """The step of the encoder whose readings (n,) were rounded once more, to a finer grid on which all lie,
+    as numbers of a few decimals are; 0 where there is none.
+    """
+    unlike = np.diff(np.unique(np.diff(places)))
+    finer = float(unlike[unlike > ON_GRID * smallest].min(initial=np.inf))
+    printed = _grid_of(known, places, finer, 0.0) if len(places) >= MANY and np.isfinite(finer) else 0.0
+    begun = smallest + printed * BEGUN if printed else ()
+    return next((s for each in begun if (s := _grid_of(known, places, float(each), printed))), 0.0)
+
+
+def _grid_of(known: Floats, places: Floats, step: float, printed: float) -> float:
+    """The step of a grid on which readings (n,) lie, as near as they were ``printed``, at ``places`` (k,) of
+    it; 0 where none is. ``step``: what it may be.
+    """
+    step = _refined(places, step)
     multiples = (known - known[0]) / step
     off = multiples - np.round(multiples)
-    on_grid = bool((np.abs(off - np.median(off)) < ON_GRID).all())  # the first one is rounded, too
+    near = ON_GRID + printed / step / 2.0
+    on_grid = bool((np.abs(off - np.median(off)) < near).all())  # the first one is rounded, too
     return step if on_grid and _rounded(np.round(multiples)) else 0.0
 
 
@@ -114,13 +130,15 @@ def _rounded(readings: Floats) -> bool:
     return len(np.unique(readings)) >= MANY and float(np.mean(np.diff(moved) != 0.0)) > VARIES
 
 
-def _refined(distance: Floats, step: float) -> float:
-    """The step as all distances (n,) between readings tell it, the near ones first."""
+def _refined(places: Floats, step: float) -> float:
+    """The step as distances between places (k,) tell it, the short ones first."""
+    lags = 2 ** np.arange(int(np.log2(len(places))) + 1)
+    apart = np.concatenate([places[lag:] - places[:-lag] for lag in lags])
     for reach in REACHES:
-        whole = np.round(distance / step)
-        near = (np.abs(whole) <= reach) & (whole != 0)
+        whole = np.round(apart / step)
+        near = (whole <= reach) & (whole != 0)
         if near.any():
-            step = float(distance[near] @ whole[near] / (whole[near] @ whole[near]))
+            step = float(apart[near] @ whole[near] / (whole[near] @ whole[near]))
     return step
 
 
