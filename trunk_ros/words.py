@@ -11,6 +11,11 @@ def listed(words: Sequence[str], last: str = "and") -> str:
     return words[0] if len(words) == 1 else f"{', '.join(words[:-1])} {last} {words[-1]}" if words else ""
 
 
+def many(count: int, noun: str) -> str:
+    """``1 row``, ``2 rows``."""
+    return f"{count} {noun}{'' if count == 1 else 's'}"
+
+
 def significant(number: float, digits: int = 3) -> str:
     """A number with so many significant digits, without an exponent where it can be."""
     if number == 0.0 or not math.isfinite(number):

@@ -263,6 +263,17 @@ def test_degrees_end_in_no_finding_and_in_a_report_that_says_so(good: Recording,
     assert "looks like degrees" in (tmp_path / "report.html").read_text()
 
 
+@pytest.mark.parametrize(
+    ("times", "said"), [(1.0, "look like degrees"), (1e3, "are neither rad nor degrees")]
+)
+def test_what_goes_further_than_degrees_is_not_said_to_be_degrees(
+    good: Recording, times: float, said: str
+) -> None:
+    """As thousandths of a degree under ``unit: deg`` do."""
+    both = scaled(scaled(good, "joint_states", times * PER_RADIAN), "gearbox_states", times * PER_RADIAN)
+    assert said in mix_ups(both, TRUNK)[0].statement
+
+
 def test_a_joint_under_two_names_is_refused_by_both(good: Recording) -> None:
     """It had been left out, and what it does to the others was physics that the library lacks."""
     model = Model(replace(TRUNK.arm, joints=("base", "sholder", "left_hand", "wrist_1", "tool")))

@@ -19,7 +19,8 @@ from trunk_ros.diagnosis.evidence.residual_dependence import accounted, goes_on,
 from trunk_ros.diagnosis.first_look import first_look
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
 from trunk_ros.diagnosis.stages.servo import ServoStage
-from trunk_ros.diagnosis.verdict.findings import _unexplained, left_over
+from trunk_ros.diagnosis.verdict.answer import Unexplained
+from trunk_ros.diagnosis.verdict.findings import _unexplained, left_over, without_a_name
 from trunk_ros.levels import SLIGHT
 from trunk_ros.model import load_model
 from trunk_ros.recording.recording import JointSeries, Recording
@@ -100,6 +101,14 @@ def test_what_is_left_is_said_with_its_stage_and_size() -> None:
     assert float(said[1]) == pytest.approx(left, rel=0.05)
 
 
+def test_what_has_no_name_is_told_by_its_share() -> None:
+    """Beside a share of 70 % it had been "physics that no name and no smooth curve fits"."""
+    rests = [Unexplained("wire", ["elbow"], "posture", 0.7, ["position", "speed", "time"], "")]
+    (told,) = without_a_name(rests, [])
+    said = "elbow: 70% of the residual fits no effect of the library and no smooth curve; it depends on "
+    assert told.statement == f"{said}position, speed and time."
+
+
 def test_a_zero_makes_no_rest_look_small() -> None:
     now = fitted("rough")
     (view,) = now.context.views
@@ -107,7 +116,7 @@ def test_a_zero_makes_no_rest_look_small() -> None:
     zero = Hypothesis(zero_offset=Term("zero_offset", own={c: {"offset": 0.3} for c in range(5)}))
     (rest,) = left_over(now.context.viewing([moved]), zero)
     assert rest.share > 0.99
-    assert "% of the residual's power beside a constant, " in rest.statement
+    assert "% of the residual's power beside a constant, which is explained, " in rest.statement
 
 
 @pytest.mark.parametrize(("times", "said"), [(0.9, 0), (1.2, 1)])

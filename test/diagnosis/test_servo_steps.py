@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -10,6 +11,7 @@ import pytest
 from test.diagnosis.arms import diagnose
 from test.diagnosis.test_nominal_servo import JOINTS, NOISE, PERIOD, PLAIN, _asked, _stated, recorded_servos
 from trunk_ros.compiled import Array
+from trunk_ros.data.quality import servo_remarks
 from trunk_ros.diagnosis import Diagnosis
 from trunk_ros.diagnosis.servos import described_servo
 from trunk_ros.diagnosis.servos.described_servo import Told
@@ -97,3 +99,12 @@ def test_where_the_first_joints_leave_too_much_the_others_are_not_fitted(
     monkeypatch.setattr(described_servo, "_left", left)
     assert not described_servo._clearly_nearer(told, told)
     assert asked == [1, 1]
+
+
+def test_faster_loops_are_said_to_be_no_fault() -> None:
+    asked = JointSeries(np.arange(9.0), ("a",), np.zeros((9, 1)))
+    model = load_model("trunk")
+    (said,) = servo_remarks(
+        Recording("made", 0, 9.0, {"setpoints": asked}), replace(model, arm=replace(model.arm, step=1e-3))
+    )
+    assert "loops that run each 1 ms (servo.step): no fault, " in said

@@ -11,6 +11,7 @@ from trunk_ros.recording.importing.csv import read_csv
 from trunk_ros.recording.importing.mapping import parse_mapping
 from trunk_ros.recording.read import read_recording
 from trunk_ros.recording.recording import Recording
+from trunk_ros.words import many
 
 TWO = {"joints": ["a", "b"], "gearbox_states": position("p", "q"), "joint_states": position("x", "y")}
 NAN = [np.nan] * len(JOINTS)
@@ -31,7 +32,7 @@ def test_of_rows_that_alternate_each_topic_has_its_own(tmp_path, step):
     np.testing.assert_array_equal(joints.position[:, 1], -np.arange(1, 400))
     np.testing.assert_allclose(joints.stamp - gearbox.stamp, int(step) / 1e3, atol=1e-9)
     assert (recording.start_ns, recording.duration) == (10_000_000, joints.stamp[-1])
-    assert not [note for note in recording.notes if "no value" in note], "the other topic's rows"
+    assert not [note for note in recording.notes if "without a value" in note], "the other topic's rows"
 
 
 def rows_of(every: float, lost: tuple[int, ...] = ()) -> str:
@@ -52,9 +53,9 @@ def test_rows_without_a_value_are_told_of_where_one_was_due(tmp_path, every, los
     )
     text = "\n".join(rows_of(every, lost).split("\n")[: int(199 * every) + 2])
     recording = read_csv(table(tmp_path, text), ms)
-    told = [note for note in recording.notes if "no value" in note]
+    told = [note for note in recording.notes if "without a value" in note]
     between = {3.0: 5, 1.0: 3}.get(every)
-    assert told == ([f"joint_states: {between} rows hold no value, left out"] if lost else [])
+    assert told == ([f"joint_states: {many(between, 'row')} without a value left out"] if lost else [])
 
 
 def test_the_bag_of_such_a_table_has_a_message_only_where_there_is_a_reading(tmp_path, capsys):

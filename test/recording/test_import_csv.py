@@ -74,9 +74,7 @@ def test_a_joint_without_a_finite_value_is_refused_and_nothing_else_is_said(tmp_
 def test_rows_out_of_order_are_sorted_and_rows_without_time_left_out(tmp_path):
     recording = read_csv(table(tmp_path, "t,x\n2,3\n,9\n0,1\n1,2\n"), mapping())
     assert recording.require("joint_states").position.ravel().tolist() == [1, 2, 3]
-    assert {"1 rows have no time and are left out", "1 rows out of order, sorted by stamp"} <= set(
-        recording.notes
-    )
+    assert {"1 row without a time left out", "1 row out of order, sorted by stamp"} <= set(recording.notes)
 
 
 def timed(tmp_path: Path, times: np.ndarray) -> Path:
@@ -216,7 +214,7 @@ def test_the_command_writes_a_bag_that_keeps_joints_units_and_notes(tmp_path, ca
     assert main(arguments) == 0
     recording = read_recording(tmp_path / "bag")
     assert (recording.joints, recording.units, recording.start_ns) == (("slide",), {"slide": "m"}, 5 * 10**9)
-    assert "1 rows repeated a stamp: the first of each counts" in recording.notes
+    assert "1 row repeated a stamp: the first of each counts" in recording.notes
     assert "repeated a stamp" in capsys.readouterr().out
     with pytest.raises(ArgumentError, match="exists"):
         main(arguments)
@@ -252,7 +250,7 @@ def test_markers_that_the_camera_lost_are_masked_or_where_it_lost_all_left_out()
     recording = read_csv(REAL / "dvrk-wrist/train_random.csv", "dvrk-wrist")
     lost = np.isnan(recording.require("joint_states").position).sum(axis=0)
     assert lost.tolist() == [0, 0, 0, 67, 67, 67]
-    assert "joint_states: 2 rows hold no value, left out" in recording.notes
+    assert "joint_states: 2 rows without a value left out" in recording.notes
 
 
 @real

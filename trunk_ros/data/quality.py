@@ -79,7 +79,10 @@ def servo_remarks(recording: Recording, model: ArmModel | None) -> list[str]:
         said.append("taken for samples of what moves on between them (recording.setpoints)")
     if model.arm.step != STEP:
         loops = f"each {1e3 * model.arm.step:.2g} ms" if model.arm.step > 0.0 else "without steps"
-        said.append(f"servos are taken to follow them in loops that run {loops}, not each 2 ms (servo.step)")
+        usual = f"{1e3 * STEP:.2g} ms of a model that states none"
+        said.append(
+            f"servos are simulated in loops that run {loops} (servo.step): no fault, but not the {usual}"
+        )
     return [f"{TOPICS['setpoints']}: {one}" for one in said]
 
 

@@ -28,6 +28,7 @@ from trunk_ros.recording.recording import Recording
 from trunk_ros.recording.signal.encoder import EXACT, MEDIAN_TO_STD, count, noises
 from trunk_ros.recording.signal.gaps import in_gaps, runs, usual
 from trunk_ros.recording.topics import COMPARED, TOPICS
+from trunk_ros.words import many
 
 BESIDE = 3  # readings on either side of one that is far off
 STUCK = 5  # equal readings in a row, of a sensor whose readings hardly ever repeat
@@ -86,7 +87,7 @@ def without_wild(recording: Recording) -> Recording:
                 kept[name] = np.where(out, np.nan, values)
                 joints = [joint for joint, one in zip(series[key].joints, out.T, strict=True) if one.any()]
                 notes.append(
-                    f"{TOPICS[key]}: {out.sum()} wild values of {name} ({', '.join(joints)}) left out"
+                    f"{TOPICS[key]}: {many(out.sum(), 'wild value')} of {name} ({', '.join(joints)}) left out"
                 )
         series[key] = replace(series[key], **kept)
     return replace(recording, series=series, notes=(*recording.notes, *notes)) if notes else recording

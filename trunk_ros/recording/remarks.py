@@ -7,6 +7,7 @@ from trunk_ros.recording.messages.decode import Decoder
 from trunk_ros.recording.quality import quality_of_series
 from trunk_ros.recording.recording import Counts, JointSeries
 from trunk_ros.recording.topics import TOPICS
+from trunk_ros.words import many
 
 
 def loss_remarks(contents: Contents, decoders: dict[str, Decoder]) -> list[str]:
@@ -14,7 +15,7 @@ def loss_remarks(contents: Contents, decoders: dict[str, Decoder]) -> list[str]:
     remarks = list(contents.damage)
     for key, decoder in decoders.items():
         if decoder.unreadable:
-            remarks.append(f"{TOPICS[key]}: {_many(decoder.unreadable, 'message')} unreadable, left out")
+            remarks.append(f"{TOPICS[key]}: {many(decoder.unreadable, 'message')} unreadable, left out")
         if not decoder.messages:
             remarks.append(f"{TOPICS[key]}: no messages")
     return remarks + _missing(contents, decoders)
@@ -60,13 +61,13 @@ def series_remarks(series: dict[str, JointSeries], counts: dict[str, Counts]) ->
 def _counted(counts: Counts) -> list[str]:
     texts = []
     if counts.duplicates:
-        texts.append(f"{_many(counts.duplicates, 'message')} repeated a stamp: the first of each counts")
+        texts.append(f"{many(counts.duplicates, 'message')} repeated a stamp: the first of each counts")
     if counts.out_of_order:
-        texts.append(f"{_many(counts.out_of_order, 'message')} out of order, sorted by stamp")
+        texts.append(f"{many(counts.out_of_order, 'message')} out of order, sorted by stamp")
     if counts.not_finite:
-        texts.append(f"{_many(counts.not_finite, 'value')} not finite, masked")
+        texts.append(f"{many(counts.not_finite, 'value')} not finite, masked")
     if counts.blank:
-        texts.append(f"{_many(counts.blank, 'message')} without any position, left out")
+        texts.append(f"{many(counts.blank, 'message')} without any position, left out")
     return texts
 
 
@@ -75,8 +76,4 @@ def _gaps(series: JointSeries, counts: Counts) -> list[str]:
     if not seen.gaps:
         return []
     longest = f"the longest of {seen.longest_gap:.3g} s at {seen.gap_at:.4g} s"
-    return [f"{_many(seen.gaps, 'gap')}, {longest}; about {seen.lost} messages missing"]
-
-
-def _many(count: int, noun: str) -> str:
-    return f"{count} {noun}{'' if count == 1 else 's'}"
+    return [f"{many(seen.gaps, 'gap')}, {longest}; about {seen.lost} messages missing"]

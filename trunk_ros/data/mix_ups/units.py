@@ -72,6 +72,13 @@ def _one(pair: Pair, which: np.ndarray, values: Array, large: str, small: str) -
 
 def _both(pair: Pair, which: np.ndarray) -> MixUp:
     most, limit = np.abs(pair.target[:, which]).max(), pair.limit[which].max()
+    if most > TENFOLD * np.degrees(limit):
+        said = (
+            f"{' and '.join(pair.topics)} of {', '.join(pair.names(which))} are neither rad nor degrees: up "
+            f"to {most:.3g}, where the model's limits are {limit:.3g} rad. Convert them from what they are "
+            "(thousandths of a degree? counts?) by an expr in a mapping, and diagnose again."
+        )
+        return pair.found("unit", which, said)
     said = (
         f"{' and '.join(pair.topics)} of {', '.join(pair.names(which))} look like degrees: up to {most:.3g}, "
         f"where the model's limits are {limit:.3g} rad. {TO_DO}"

@@ -28,7 +28,7 @@ from trunk_ros.guards import TINY
 from trunk_ros.levels import HALF, MOST, ROUGH, SLIGHT, SURE
 from trunk_ros.parameter import Parameter, leading
 from trunk_ros.units import as_read, is_open, unit_on
-from trunk_ros.words import significant
+from trunk_ros.words import listed, significant
 
 VARIES_WITH: dict[str, list[str]] = {
     "always": [],
@@ -187,7 +187,7 @@ def left_over(
     (``errors``), joints that vary with the same thing together; as a share of what is no constant.
     """
     found: dict[tuple[str, ...], list[tuple[str, float, float]]] = {}
-    beside: set[tuple[str, ...]] = set()
+    beside: dict[tuple[str, ...], str] = {}
     for column, power in rests(context, hypothesis, errors).items():
         if power < 1.0:
             continue
@@ -195,15 +195,16 @@ def left_over(
         nominal = context.whitened(context.known, column)
         before = float(np.mean(but_for_a_zero(context, column, nominal) ** 2))
         if before < HALF * float(np.mean(nominal**2)):
-            beside.add(tuple(varies))
+            rest = context.whitened(hypothesis, column)
+            lasting = float(np.mean(rest**2) - np.mean(but_for_a_zero(context, column, rest) ** 2))
+            told = lasting < SLIGHT * (float(np.mean(nominal**2)) - before)
+            beside[tuple(varies)] = " beside a constant" + (", which is explained" if told else "")
         share = float(np.clip(power / max(before - 1.0, power), 0.0, 1.0))
         size = float("nan") if is_none(context.noise[column].std) else float(np.sqrt(power))
         found.setdefault(tuple(varies), []).append((context.joints[column], share, size))
     stage = context.stage
     return [
-        _unexplained(
-            stage.name, list(varies), each, stage.whole + (" beside a constant" if varies in beside else "")
-        )
+        _unexplained(stage.name, list(varies), each, stage.whole + beside.get(varies, ""))
         for varies, each in found.items()
     ]
 
@@ -240,8 +241,11 @@ def without_a_name(rests: list[Unexplained], known: list[Finding]) -> list[Findi
         return known
     joints = sorted({joint for rest in rests for joint in rest.joints})
     varies = list(dict.fromkeys(on for rest in rests for on in rest.depends_on))
-    statement = f"{', '.join(joints)}: physics that no name and no smooth curve fits"
-    statement += f"; it varies with {' and '.join(varies)}." if varies else "."
+    share = max(rest.share for rest in rests)
+    statement = (
+        f"{', '.join(joints)}: {share:.0%} of the residual fits no effect of the library and no smooth curve"
+    )
+    statement += f"; it depends on {listed(varies)}." if varies else "."
     for number, finding in enumerate(known):
         if not finding.named:
             both = sorted({*finding.joints, *joints})

@@ -17,6 +17,7 @@ from trunk_ros.recording.remarks import series_remarks
 from trunk_ros.recording.restarts import began_anew
 from trunk_ros.recording.signal.gaps import GAP
 from trunk_ros.recording.topics import TOPICS
+from trunk_ros.words import many
 
 _LATEST_NS = (2**31) * 10**9
 
@@ -70,7 +71,7 @@ def _times(path: Path, mapping: Mapping, table: dict[str, Floats]) -> tuple[Whol
     known = np.flatnonzero(np.isfinite(seconds))
     if not len(known):
         raise RecordingError(f"{path}: the time has no finite value")
-    remarks = [f"{count - len(known)} rows have no time and are left out"] if len(known) < count else []
+    remarks = [f"{many(count - len(known), 'row')} without a time left out"] if len(known) < count else []
     seconds = seconds[known]
     if len(seconds) > 1 and seconds.min() == seconds.max():
         raise RecordingError(
@@ -86,7 +87,7 @@ def _times(path: Path, mapping: Mapping, table: dict[str, Floats]) -> tuple[Whol
         raise RecordingError(f"{path}: the time reaches {seconds.max():.3g} s: is its unit right?")
     every = np.rint(seconds * 1e9).astype(np.int64)
     if disorder := int((np.diff(every) < 0).sum()):
-        remarks.append(f"{disorder} rows out of order, sorted by stamp")
+        remarks.append(f"{many(disorder, 'row')} out of order, sorted by stamp")
     return every, known, remarks
 
 
@@ -126,9 +127,9 @@ def _left_out(every_ns: Whole, told: dict[str, Whole], kept: dict[str, Whole]) -
     said: dict[str, list[str]] = {}
     for key, each in told.items():
         if blank := _blank(every_ns, each):
-            said.setdefault(f"{blank} rows hold no value, left out", []).append(TOPICS[key])
+            said.setdefault(f"{many(blank, 'row')} without a value left out", []).append(TOPICS[key])
         if repeated := len(each) - len(kept[key]):
-            text = f"{repeated} rows repeated a stamp: the first of each counts"
+            text = f"{many(repeated, 'row')} repeated a stamp: the first of each counts"
             said.setdefault(text, []).append(TOPICS[key])
     return [
         text if len(topics) == len(told) and "repeated" in text else f"{', '.join(topics)}: {text}"
