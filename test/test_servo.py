@@ -14,13 +14,14 @@ from test.effects.example import arm_of, motion, stamps
 from trunk_ros.chain import Chain
 from trunk_ros.compiled import Array
 from trunk_ros.effects.servo.asked import EDGE, beyond
-from trunk_ros.effects.servo.loop import servo_loop, servo_loops
+from trunk_ros.effects.servo.loop import servo_loop
+from trunk_ros.effects.servo.loops import servo_loops
 from trunk_ros.model import Model, load_model
 from trunk_ros.nodes.bus import SimulatedBus
 from trunk_ros.servo_run import speeds
 
 STEP = 0.002  # s
-OVER_TIME = (2, 3, 4, 5, 6, 9, 10, 13, 14)  # arguments of a loop that may change
+OVER_TIME = (2, 3, 4, 5, 6, 9, 10, 13, 14, 15)  # arguments of a loop that may change
 
 
 def reference(setpoint: Array, rows: int, kp: float = 20.0, tau: float = 0.02, v_max: float = 1.5) -> Array:
@@ -276,8 +277,11 @@ def test_a_late_jump_begins_to_be_followed_when_it_is_there(late: float, columns
 
 
 @pytest.mark.parametrize("limited", [0.0, 1.0, 9.0])
+@pytest.mark.parametrize(("summing", "fed"), [(0.0, False), (30.0, False), (30.0, True)])
 @pytest.mark.parametrize(("held", "ahead"), [(0.0, 0.0), (0.004, 0.0), (0.0, 0.5), (0.004, 0.2)])
-def test_joints_side_by_side_come_out_as_each_by_itself(held: float, ahead: float, limited: float) -> None:
+def test_joints_side_by_side_come_out_as_each_by_itself(
+    held: float, ahead: float, limited: float, summing: float, fed: bool
+) -> None:
     columns, rng = 6, np.random.default_rng(3)
     stamp = np.cumsum(rng.choice([0.004, 0.01, 0.011, 0.09], size=400))
     setpoint = np.cumsum(rng.normal(scale=0.02, size=(len(stamp), columns)), axis=0)
@@ -291,9 +295,12 @@ def test_joints_side_by_side_come_out_as_each_by_itself(held: float, ahead: floa
         np.concatenate(
             [np.where(limited * each > 1.0, [0.5 * each, 9.0 * each], np.inf), [0.5 * held * each]]
         ),
+        np.where(each > 0.7, summing * each, 0.0),
+        rng.normal(scale=1e-3, size=setpoint.shape)[: len(setpoint) if fed else 0],
     ]  # fmt: skip
     arguments[2][1] = 300.0  # stiff: stepped finer than the others
-    together, start = np.empty_like(setpoint), rng.normal(size=(5, columns))
+    together, start = np.empty_like(setpoint), rng.normal(size=(6, columns))
+    start[5] = np.where(np.arange(columns) % 2, np.nan, start[5])
     after = start.copy()
     servo_loops(*arguments, ahead, 0, after, together)
     for j in range(columns):
@@ -302,7 +309,7 @@ def test_joints_side_by_side_come_out_as_each_by_itself(held: float, ahead: floa
         alone, state = np.empty((len(stamp), 1)), start[:, j : j + 1].copy()
         servo_loop(*some, ahead, 0, state, alone)
         assert np.array_equal(alone[:, 0], together[:, j])
-        assert np.array_equal(state[:, 0], after[:, j])
+        assert np.array_equal(state[:, 0], after[:, j], equal_nan=True)
 
 
 def test_a_dead_zone_lets_through_what_is_beyond_its_edge() -> None:

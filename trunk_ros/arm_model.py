@@ -101,6 +101,11 @@ class ArmModel:
         v_max = np.broadcast_to(self.number("v_max"), len(self.arm.joints))
         return np.asarray(self._with_found("top_speeds", np.array([v_max, v_max])))
 
+    @property
+    def ki(self) -> Array:
+        """(joints,) 1/s^2: the gain of an integral part that was found."""
+        return np.asarray(self._with_found("ki", np.zeros(len(self.arm.joints))))
+
     def _with_found(self, name: str, number: Any) -> Any:
         for found, values in self.in_order():
             number = effect(found).changed(number, values) if effect(found).changes == name else number

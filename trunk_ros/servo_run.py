@@ -14,7 +14,9 @@ from trunk_ros.compiled import Array
 from trunk_ros.effects import lasting
 from trunk_ros.effects.core import Core
 from trunk_ros.effects.effect import Effect, Now
-from trunk_ros.effects.servo.loop import SEVERAL, fresh, servo_loop, servo_loops
+from trunk_ros.effects.servo.loop import fresh, servo_loop
+from trunk_ros.effects.servo.loops import SEVERAL, servo_loops
+from trunk_ros.levels import ENOUGH, HARDLY
 
 LATE, EARLY = 1.5, 1e-3  # setpoint periods: what comes later than that stood before; rounding of stamps
 
@@ -49,6 +51,7 @@ def servo_core(arm: Arm, effects: Sequence[Effect], now: Now, numbers: Array | N
         quickest=none + np.inf,
         hardest=none + np.inf,
         dry=none,
+        ki=none,
         teeth=np.zeros((2, 1, columns)),
     )
     for e in effects:
@@ -60,7 +63,7 @@ def servo_core(arm: Arm, effects: Sequence[Effect], now: Now, numbers: Array | N
 def run_servo(
     core: Core, now: Now, setpoints: Array, stamps: Array, start: Array, anew: Iterable[int] = ()
 ) -> tuple[Array, Array]:
-    """Gearbox angle (n, columns) of loops with these numbers and their state (5, columns) after it;
+    """Gearbox angle (n, columns) of loops with these numbers and their state (6, columns) after it;
     ``setpoints`` may begin with past rows. After each of the rows ``anew`` it goes on from where the gearbox
     is there.
     """
@@ -68,12 +71,31 @@ def run_servo(
     out, state = np.empty((n, columns)), start.copy()
     within = np.minimum(np.maximum(setpoints, core.lowest), core.highest) if core.bounded else setpoints
     skip, fed = len(stamps) - n, fed_forward(core, within, stamps)
+    beside = fed - within if fed is not within and core.ki.any() else within[:0]
     edges = [0, *(row + 1 for row in sorted({*anew}) if row + 1 < n), n]
     for first, last in pairwise(edges):
         if first:
             state = fresh(now.gearbox[first - 1], now.speed[first - 1] / now.ratio)
-        _step(_between(core, first, last), fed, stamps, skip + first, state, out[first:last])
+        _step(_between(core, first, last), fed, beside, stamps, skip + first, state, out[first:last])
     return out, state
+
+
+def with_sums(core: Core, now: Now, setpoints: Array, start: Array) -> Array:
+    """The state (6, columns) of a start with what integral parts hold then: as much as has the shafts go as
+    they were read to from there. By the first reading alone it would be known no better than a speed is, and
+    it dies away slowly.
+    """
+    rows = min(len(now.stamp), ENOUGH)
+    first, begun = _between(core, 0, rows), replace(now, stamp=now.stamp[:rows])
+    tried = HARDLY * core.kp[0] * (core.ki[0] != 0.0)
+    without, more = (
+        run_servo(first, begun, setpoints[:rows], begun.stamp, np.vstack([start[:-1], held]))[0]
+        for held in (0.0 * tried, tried)
+    )
+    per, off = more - without, now.gearbox[:rows] - without
+    squares = np.sum(per**2, axis=0)
+    share = np.divide(np.sum(per * off, axis=0), squares, out=np.zeros_like(squares), where=squares > 0.0)
+    return np.vstack([start[:-1], share * tried])
 
 
 def _between(core: Core, first: int, last: int) -> Core:
@@ -117,7 +139,9 @@ def speeds(setpoints: Array, stamps: Array) -> Array:
     return out
 
 
-def _step(core: Core, setpoints: Array, stamps: Array, skip: int, state: Array, out: Array) -> None:
+def _step(
+    core: Core, setpoints: Array, beside: Array, stamps: Array, skip: int, state: Array, out: Array
+) -> None:
     """Step the loops, side by side where that pays."""
     reached = np.where(core.rub.any(axis=0), np.maximum(core.reach, np.abs(core.rub).max(axis=0)), 0.0)
     least = SEVERAL if core.rub.any() or core.cogging.any() else 2 * SEVERAL
@@ -128,15 +152,22 @@ def _step(core: Core, setpoints: Array, stamps: Array, skip: int, state: Array, 
         kp, tau_v, up, down, delay, pull, load, torque, rub = map(np.ascontiguousarray, numbers)
         servo_loop(
             setpoints, stamps, kp, tau_v, up, down, delay, pull, load, torque, rub, reached, core.dead_zone,
-            cogging, _limits(core), core.ahead, skip, state, out,
+            cogging, _limits(core), core.ki, beside, core.ahead, skip, state, out,
         )  # fmt: skip
     for first, last in pairwise(edges):
         here = _between(core, first, last) if len(edges) > 2 else core
-        _side_by_side(here, reached, setpoints, stamps, skip + first, state, out[first:last])
+        _side_by_side(here, reached, setpoints, beside, stamps, skip + first, state, out[first:last])
 
 
 def _side_by_side(
-    core: Core, reached: Array, setpoints: Array, stamps: Array, skip: int, state: Array, out: Array
+    core: Core,
+    reached: Array,
+    setpoints: Array,
+    beside: Array,
+    stamps: Array,
+    skip: int,
+    state: Array,
+    out: Array,
 ) -> None:
     """Step loops of which nothing but the load and what pulls changes."""
     numbers = core.kp, core.tau_v, *core.tops, core.delay, core.torque, core.rub
@@ -145,7 +176,7 @@ def _side_by_side(
     cogging = np.stack([core.cogging[0], *core.teeth[:, 0]])
     servo_loops(
         setpoints, stamps, kp, tau_v, up, down, delay, pull, load, torque, rub, reached, zone, cogging,
-        _limits(core)[:, 0], core.ahead, skip, state, out,
+        _limits(core)[:, 0], core.ki[0], beside, core.ahead, skip, state, out,
     )  # fmt: skip
 
 

@@ -114,6 +114,7 @@ def test_servos_of_any_numbers_go_as_simulate_has_them(servo: dict[str, Any]) ->
         ({}, {"setpoint_ceiling": {"upper": 0.3}}),
         ({}, {"acceleration_limit": {"acceleration": 6.0}}),
         ({}, {"motor_friction": {"friction": 0.01}}),
+        ({}, {"integral_action": {"ki": np.array([0.0, 5.0, 15.0, 15.0, 60.0])}}),
     ],
     ids=[
         "slower",
@@ -125,6 +126,7 @@ def test_servos_of_any_numbers_go_as_simulate_has_them(servo: dict[str, Any]) ->
         "clipped",
         "current-limited",
         "dry",
+        "summing up",
     ],
 )
 def test_servos_at_their_top_speed_go_as_simulate_has_them(
@@ -158,3 +160,18 @@ def test_what_a_simulator_has_of_each_joint_is_taken_from_what_all_of_the_arm_sh
     np.testing.assert_allclose(added.number("kp"), arm.number("kp") * np.ones(5))
     back = missing(theirs, arm).model
     np.testing.assert_allclose(back.number("kp"), theirs.number("kp"))
+
+
+def test_an_integral_part_brings_back_what_a_load_pulls_away() -> None:
+    """And does not sum up what it is fed."""
+    droop, ki = {"gain": 0.02, "form": "weight"}, {"ki": 60.0}
+    model = Model(replace(ARM, feedforward=0.6), {"load_droop": droop, "integral_action": ki})
+    asked = np.tile(np.minimum(0.2 * STAMP, 0.5)[:, None], (1, 5))
+    plant = model.plant()
+    plant.reset()
+    plant.step(asked[0], 1.0 / RATE)
+    motors = np.array([(plant.step(row, 1.0 / RATE), plant.motors[0])[1] for row in asked[1:]])
+    phi = Chain(model, "servo").run(asked, STAMP)[0]
+    np.testing.assert_allclose(motors[:-1], phi[2:], atol=3e-4)
+    assert np.abs(phi - asked).max() > 3e-3
+    np.testing.assert_allclose(motors[-1], asked[-1], atol=1e-5)

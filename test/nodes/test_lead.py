@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from trunk_ros.chain import Chain
-from trunk_ros.model import load_model
+from trunk_ros.model import Model, load_model
 from trunk_ros.nodes.control.lead import Lead
 
 NOMINAL = load_model("trunk")
@@ -58,9 +58,9 @@ def test_what_a_limit_held_back_is_caught_up_with_and_not_overshot(size):
     assert there[-1] == pytest.approx(size, abs=1e-6)
 
 
-def led_with_derivatives(at, model=NOMINAL):
+def led_with_derivatives(at, model=NOMINAL, **told):
     """Where the servo of a model goes (n,) rad, of 0.2 sin(2t)."""
-    lead = Lead(np.zeros(5), *SERVO, ahead=model.arm.ahead, delay=model.arm.delay)
+    lead = Lead(np.zeros(5), *SERVO, ahead=model.arm.ahead, delay=model.arm.delay, **told)
     out = []
     for k, now in enumerate(at):
         lead.elapse(now - at[k - 1] if k else 0.0)
@@ -80,6 +80,16 @@ def test_a_servo_whose_loop_runs_faster_is_followed_as_well():
     faster = replace(NOMINAL, arm=replace(NOMINAL.arm, step=0.0))
     angle = 0.2 * np.sin(2 * AT)
     assert np.abs(led_with_derivatives(AT, faster) - angle)[100:].max() < 1e-4
+
+
+@pytest.mark.parametrize("fed", [0.0, 0.5])
+def test_an_integral_part_is_led_as_well(fed):
+    """A lead that does not know of it asks for what it has made up for by itself."""
+    arm, angle = replace(NOMINAL.arm, feedforward=fed), 0.2 * np.sin(2 * AT)
+    model = Model(arm, {"integral_action": {"ki": 40.0}})
+    knows, does_not = (np.abs(led_with_derivatives(AT, model, fed=fed, ki=ki) - angle) for ki in (40.0, 0.0))
+    assert knows[100:].max() < 3e-4
+    assert does_not[100:].max() > 4e-3
 
 
 @pytest.mark.parametrize(("period", "uneven", "most"), [(0.01, 0.003, 4e-4), (0.05, 0.0, 6e-4)])

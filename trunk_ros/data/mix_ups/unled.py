@@ -71,7 +71,8 @@ def _paths(stamp: Array, asked: Array, went: Array) -> Array:
     many = len(gain)
     none, paths = np.zeros((1, many)), np.empty((len(stamp), many))
     loop = gain[None], 1.0 / (4.0 * gain[None]), top[None], top[None], delay[None]  # critically damped
-    none_of_it = none, none, none, none, none[0], none, np.zeros((3, 1, many)), unlimited(many)
+    teeth = np.zeros((3, 1, many))
+    none_of_it = none, none, none, none, none[0], none, teeth, unlimited(many), none, none[:0]
     setpoint, state = np.repeat(asked[:, None], many, axis=1), fresh(np.full(many, went[0]))
     servo_loop(setpoint, stamp, *loop, *none_of_it, 0.0, 0, state, paths)
     return paths

@@ -51,6 +51,16 @@ def speed_asked(
 
 
 @compiled
+def mean_of(values: Array, stamp: Array, j: int, held: int, t: float, h: float) -> float:
+    """The mean in a step of ``h`` s from ``t`` on of what changes with setpoints, from row ``held`` on."""
+    mean, after = values[held, j], held + 1
+    while after < len(stamp) and stamp[after] < t + h - 1e-9:
+        mean += (t + h - stamp[after]) / h * (values[after, j] - values[after - 1, j])
+        after += 1
+    return float(mean)
+
+
+@compiled
 def ask(
     setpoint: Array,
     stamp: Array,

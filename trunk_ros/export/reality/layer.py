@@ -15,7 +15,10 @@ from trunk_ros.export.reality.servo import Servo
 from trunk_ros.export.reality.wire import wire_of
 from trunk_ros.model import Model, load_model
 
-ACCELERATION = "acceleration_limit: limit it in the simulator: no command before its servos does"
+OF_THE_LOOP = {
+    "acceleration_limit": "limit it in the simulator: no command before its servos does",
+    "integral_action": "give the simulator's servos an integral part: no command before them is one",
+}
 
 
 class RealityLayer:
@@ -52,7 +55,7 @@ class RealityLayer:
         lacking = missing(arm, theirs)
         self.model = lacking.model
         """What is added."""
-        unable = [ACCELERATION] if "acceleration_limit" in lacking.model.effects else []
+        unable = [f"{e}: {OF_THE_LOOP[e]}" for e in lacking.model.effects if e in OF_THE_LOOP]
         self.remarks = (*lacking.remarks, *unable)
         """What cannot be."""
         self.joints = arm.arm.joints

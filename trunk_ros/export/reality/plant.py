@@ -13,6 +13,7 @@ from trunk_ros.compiled import Array, compiled
 from trunk_ros.effects import effect
 from trunk_ros.effects.servo.loop import CLOSE
 from trunk_ros.effects.servo.speed import held_back, rise, towards
+from trunk_ros.effects.servo.summed import summed_up
 from trunk_ros.errors import ModelError
 from trunk_ros.export.missing import missing
 from trunk_ros.export.reality.scene import Scene
@@ -32,6 +33,7 @@ class Plant:
 
     _gearbox: Array
     _velocity: Array
+    _total: Array
     _theta: Array
     _anew: np.ndarray
 
@@ -74,6 +76,7 @@ class Plant:
             self._anew = self._anew | chosen
         self._gearbox = np.where(chosen[:, None], stands / self.model.arm.ratio, self._gearbox)
         self._velocity = np.where(chosen[:, None], 0.0, self._velocity)
+        self._total = np.where(chosen[:, None], np.nan, self._total)
         self._theta = np.where(chosen[:, None], stands, self._theta)
         return self._theta.copy()
 
@@ -83,6 +86,7 @@ class Plant:
         self._arm, self._time = self.model.loaded_arm(), 0.0
         self._loop = [np.full(self._shape[1], n) for n in (self._arm.kp, self._arm.tau_v, *self._tops)]
         self._gearbox, self._velocity, self._theta = (np.zeros(self._shape) for _ in range(3))
+        self._total = np.full(self._shape, np.nan)
         self._anew = np.zeros(environments, bool)
 
     def step(self, setpoints: ArrayLike, dt: float) -> Array:
@@ -98,8 +102,10 @@ class Plant:
         gearbox, velocity = before.copy(), self._velocity.copy()
         arm = self._arm
         kp, tau_v, up, down = self._loop
-        hardest, dry = map(np.ascontiguousarray, (self._servo.hardest, self._servo.dry))
-        follow(wanted, dt, kp, tau_v, up, down, hardest, dry, arm.ahead, gearbox, velocity)
+        servo = self._servo
+        hardest, dry, ki = map(np.ascontiguousarray, (servo.hardest, servo.dry, servo.ki))
+        beside, total = servo.beside.reshape(self._shape), self._total
+        follow(wanted, beside, dt, kp, tau_v, up, down, hardest, dry, ki, arm.ahead, gearbox, velocity, total)
         self._time += dt
         theta = self._theta + (gearbox - before) * arm.ratio
         now = Scene(arm, self.model.duration, dt, gearbox, theta, velocity * arm.ratio)
@@ -120,6 +126,7 @@ class Plant:
 @compiled
 def follow(
     setpoints: Array,
+    beside: Array,
     dt: float,
     kp: Array,
     tau_v: Array,
@@ -127,23 +134,34 @@ def follow(
     down: Array,
     hardest: Array,
     dry: Array,
+    ki: Array,
     ahead: float,
     gearbox: Array,
     velocity: Array,
+    total: Array,
 ) -> None:
     """Move motor-side angles and velocities (environments, joints) by ``dt`` s under setpoints, in place, by
     servos with these numbers (joints,), ``up`` and ``down`` being top speeds, ``hardest`` the limits of their
-    accelerations, ``dry`` the errors that friction holds, ``ahead`` as in ``servo_loop``.
+    accelerations, ``dry`` the errors that friction holds; ``ki``, ``total``, ``ahead`` and ``beside`` as in
+    ``servo_loop``.
     """
     for j in range(setpoints.shape[1]):
         steps = max(int(np.ceil(dt / min(STEP, CLOSE / kp[j]) - 1e-9)), 1)
         h = dt / steps
         smooth = rise(h, tau_v[j], ahead)
         for e in range(setpoints.shape[0]):
+            used = 0.0
+            if ki[j] != 0.0 and total[e, j] != total[e, j]:
+                total[e, j] = -kp[j] * beside[e, j]  # it stood at its setpoint and bore its load
             for _ in range(steps):
                 before = velocity[e, j]
                 error = setpoints[e, j] - (gearbox[e, j] + ahead * h * before)
-                wanted = min(max(kp[j] * error, -down[j]), up[j])
+                if ki[j] != 0.0:
+                    own = h * ki[j] * (error - beside[e, j])
+                    used = total[e, j] + ahead * own
+                    below, above = -down[j] - used, up[j] - used
+                    total[e, j] = summed_up(total[e, j], own, kp[j] * error, below, above)
+                wanted = min(max(kp[j] * error, -down[j] - used), up[j] - used) + used
                 after = towards(before, before + smooth * (wanted - before), hardest[j] * h)
                 velocity[e, j] = held_back(after, smooth * kp[j] * dry[j])
                 gearbox[e, j] += h * (velocity[e, j] + ahead * (before - velocity[e, j]))

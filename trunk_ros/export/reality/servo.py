@@ -51,6 +51,9 @@ class Servo:
         self.dry = np.broadcast_to(np.ravel(core.dry), len(arm.joints))
         """(joints,) rad that friction holds: commands that lag by it have another loop go alike, slowly."""
         self.short = np.zeros_like(self.dry) if steps_loop else self.dry
+        self.ki = np.broadcast_to(np.ravel(core.ki), len(arm.joints))
+        """(joints,) 1/s^2, likewise: summed up without ``beside`` (columns,) rad, loads and what is fed."""
+        self.beside: Array = np.zeros(columns)
         limited = core.bounded or bool(np.isfinite(led).any())
         self.passes = not (self.blocks or limited)
         self.gain = spread(core.kp)
@@ -88,15 +91,18 @@ class Servo:
             self.before[columns] = self.low[columns] = x[columns]
             if self.swing is not None:
                 self.swing[:, columns] = np.stack([x, x, 0.0 * x])[:, columns]
-        x = self._fed(self._shaped(x, scene.dt), scene.dt, columns).reshape(shape)
+        shaped = self._shaped(x, scene.dt)
+        x = self._fed(shaped, scene.dt, columns).reshape(shape)
         core = core_of(x)
         for block in self.blocks:
             block.adjust(core, scene)
-        x = x + core.pull + core.load
+        pulled = x + core.load
+        x = pulled + core.pull
         if self.cogging is not None:
             size, cycles, phase = self.cogging
             x = x + size * sines(np.ascontiguousarray(cycles * x), phase)
-        x = self._held_back(x, core.load, columns)
+        held = self._held_back(x, core.load, columns)
+        self.beside, x = (pulled + (held - x)).ravel() - shaped, held
         zone = np.maximum(core.dead_zone, self.short)  # what one of them holds, the other one need not
         x = self._stopped_short(x, zone, columns)
         for block in self.behind:

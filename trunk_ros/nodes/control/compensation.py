@@ -47,8 +47,9 @@ class Compensation:
         self.lower, self.upper = gearbox_limits(model.arm)
         self.tops, self.gain = model.at_end().top_speeds, position_gain(model)
         self._asked = np.minimum(self.tops, model.arm.v_max)  # what it is told to stay below
-        tau_v, fed, delay = (model.at_end().number(name) for name in ("tau_v", "feedforward", "delay"))
-        self._servo = self.gain, tau_v, self.tops, fed, model.arm.ahead, delay
+        ends = model.at_end()
+        tau_v, fed, delay = (ends.number(name) for name in ("tau_v", "feedforward", "delay"))
+        self._servo = self.gain, tau_v, self.tops, fed, model.arm.ahead, delay, ends.ki
         if self._lead is not None:
             self._lead.use(*self._servo)
         self._state: State | None = None

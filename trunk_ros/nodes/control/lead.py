@@ -32,13 +32,14 @@ class Lead:
         fed: float | Array = 0.0,
         ahead: float = 0.0,
         delay: float | Array = 0.0,
+        ki: float | Array = 0.0,
     ):
         """``at`` (joints,) rad: where the motors stand; the servo as in `use`."""
         self._wanted = self._sent = self._last = at
         self._slope = np.zeros_like(at)
         self._servo = fresh(at, self._slope)
         self._period, self._periods, self._seen, self._still = 0.0, 0, 0.0, 0.0
-        self.use(gain, tau_v, tops, fed, ahead, delay)
+        self.use(gain, tau_v, tops, fed, ahead, delay, ki)
 
     def use(
         self,
@@ -48,10 +49,11 @@ class Lead:
         fed: float | Array = 0.0,
         ahead: float = 0.0,
         delay: float | Array = 0.0,
+        ki: float | Array = 0.0,
     ) -> None:
         """``gain`` (joints,) 1/s of the position loop, ``tau_v`` s, ``tops`` (2, joints) rad/s upwards and
         downwards, the share of the setpoints' speed that the loop is ``fed``, how fast it runs, ``ahead``
-        as in `servo_loop`, and the ``delay`` in s of its setpoints.
+        as in `servo_loop`, the ``delay`` in s of its setpoints, and ``ki`` as in `servo_loop`.
         """
         self._early = np.asarray(fed / gain)  # s of the setpoints' motion that it sees beforehand
         self.pace = QUICKER * np.sqrt(gain / tau_v)
@@ -61,7 +63,8 @@ class Lead:
         self._most = float(np.mean(self._late + self._delay))
         up, down = tops
         law = gain[None], row + tau_v, row + up, row + down, row, row, row, row, row, none, row
-        self._law = *law, np.zeros((3, 1, len(gain))), unlimited(len(gain)), ahead
+        self._law = *law, np.zeros((3, 1, len(gain))), unlimited(len(gain))
+        self._ki, self._ahead = row + ki, ahead
 
     @property
     def sight(self) -> float:
@@ -72,7 +75,7 @@ class Lead:
 
     def elapse(self, dt: float) -> None:
         """The last setpoint has been out for ``dt`` s."""
-        self._servo = self._after(self._servo, self._sent, dt)
+        self._servo = self._after(self._servo, self._sent, self._sent - self._last, dt)
         usual = self._period or dt
         late = min(max(dt - usual, -usual), usual)  # a setpoint holds until the next one comes
         self._began = self._wanted + self._slope * late
@@ -101,7 +104,8 @@ class Lead:
         self._slope, self._wanted = (wanted - self._began) / self._period, wanted
         goal = np.empty((2, len(wanted)))
         filtered(self._servo, self._began, self._slope, self.pace, self._period, goal)
-        comes = self._after(self._servo, goal[0], self._period)[:2]
+        beside = self._share * (goal[0] - self._last)
+        comes = self._after(self._servo, goal[0], beside, self._period)[:2]
         asked = goal[0] + (self._answer() * (goal - comes)).sum(0)
         early = self._early / self._period
         return np.asarray((asked + early * self._last) / (1.0 + early))
@@ -111,7 +115,8 @@ class Lead:
         more.
         """
         if abs(self._period - self._answered) > SAME * self._period:
-            comes = self._after(np.zeros_like(self._servo), TRIED + 0.0 * self.pace, self._period)[:2] / TRIED
+            rest, tried = np.zeros_like(self._servo), TRIED + 0.0 * self.pace
+            comes = self._after(rest, tried, self._share * tried, self._period)[:2] / TRIED
             weighed = comes * [np.ones_like(self.pace), (SPEED / self.pace) ** 2]
             self._answered, self._answers = self._period, weighed / (weighed * comes).sum(0)
         return self._answers
@@ -127,10 +132,26 @@ class Lead:
         self._sent, self._last = setpoint + self._early * moved, setpoint
         return setpoint
 
-    def _after(self, servo: Array, setpoint: Array, dt: float) -> Array:
-        """The ``servo``'s state ``dt`` s later."""
+    @property
+    def _share(self) -> Array:
+        """(joints,) of what the loop is told that its speed is, and not the setpoint."""
+        return self._early / (self._period + self._early)
+
+    def _after(self, servo: Array, setpoint: Array, beside: Array, dt: float) -> Array:
+        """The ``servo``'s state ``dt`` s later, with what a ``setpoint`` (joints,) is fed ``beside``."""
         after, held = servo.copy(), np.array([setpoint, setpoint])
-        servo_loop(held, np.array([0.0, dt]), *self._law, 1, after, np.empty((1, len(setpoint))))
+        fed = np.array([beside, beside])
+        servo_loop(
+            held,
+            np.array([0.0, dt]),
+            *self._law,
+            self._ki,
+            fed,
+            self._ahead,
+            1,
+            after,
+            np.empty((1, len(setpoint))),
+        )
         return after
 
 

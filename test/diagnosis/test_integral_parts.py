@@ -1,0 +1,39 @@
+"""Drives with an integral part in their position loop are told by that, and hold on another motion."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from test.diagnosis.arms import diagnose
+from test.diagnosis.test_drive_limits import limited
+from test.diagnosis.test_nominal_servo import _left, _stated
+
+
+@pytest.mark.parametrize("ki", [2.0, 15.0])
+def test_an_integral_part_is_told_by_its_name(ki: float) -> None:
+    """One of 15 had been a feedforward of 0.95 beside another gain and velocity loop. What one of 2 holds as
+    a run begins shows for ten seconds.
+    """
+    hidden = {"integral_action": {"ki": ki}}
+    found = diagnose(limited(hidden, 1), model=_stated())
+    (finding,) = found.findings
+    assert (finding.effect, found.verdict) == ("integral_action", "explained")
+    assert finding.parameters["arm"]["ki"]["value"] == pytest.approx(ki, rel=0.01)
+    assert _left(found.model, limited(hidden, 2)).max() < 6e-5
+
+
+def test_one_drive_that_has_it_is_told_alone() -> None:
+    hidden: dict[str, Any] = {"integral_action": {"form": "apart", "ki": np.array([0.0, 12.0, 0.0])}}
+    found = diagnose(limited(hidden, 1), model=_stated())
+    (finding,) = found.findings
+    assert (finding.effect, finding.joints) == ("integral_action", ["elbow"])
+    assert finding.parameters["elbow"]["ki"]["value"] == pytest.approx(12.0, rel=0.01)
+
+
+def test_an_offset_is_none_that_hardly_sums_up() -> None:
+    hidden = {"servo_offset": {"offset": np.array([0.0, 0.01, 0.0])}}
+    (finding,) = diagnose(limited(hidden, 1), model=_stated()).findings
+    assert (finding.effect, finding.joints) == ("servo_offset", ["elbow"])

@@ -1,0 +1,57 @@
+"""The position loop of the servo has an integral part."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from trunk_ros.effects.core import Core
+from trunk_ros.effects.effect import Effect, Now
+from trunk_ros.parameter import Parameter
+
+
+class IntegralAction(Effect):
+    """v_ref = clip(Kp e + ki sum, -v_max, v_max), sum' = e, but for errors that lead further beyond v_max."""
+
+    id = "integral_action"
+    sizes = ("ki",)
+    stage, place, regime = "servo", 100, "high_speed"
+    signature = (
+        "At a constant speed the gearbox catches up with its setpoint little by little, and after each stop "
+        "it comes back from beyond it as slowly."
+    )
+    source = (
+        "PI and PID position loops, such as those of ros2_control and hobby servos; ki = Kp / Ti, Ti being "
+        "the integral or reset time."
+    )
+    parameters = (
+        Parameter(
+            "ki",
+            "1/s^2",
+            (0.0, 1e5),
+            "gain of the integral part, Kp over the integral time",
+            typical=5.0,
+            shared=True,
+            scan=(5.0, 50.0),
+        ),
+    )
+    forms = ("alike", "apart")
+    apart = "apart"
+    everywhere = True
+    changes = "ki"
+    compensable = False
+    confused_with = (
+        (
+            "speed_feedforward",
+            "move at a constant speed: what is fed forward acts at once, a sum late",
+        ),
+        ("servo_bandwidth", "move at a constant speed: a higher gain leaves an error that stays"),
+        ("velocity_loop", "stop after a long move: a slow velocity loop comes back at once"),
+    )
+
+    @classmethod
+    def changed(cls, number: Any, values: Mapping[str, Any]) -> Any:
+        return number + np.asarray(values.get("ki", 0.0), dtype=float)
+
+    def adjust(self, core: Core, now: Now) -> None:
+        core.ki = core.ki + self["ki"]

@@ -1,0 +1,184 @@
+"""The loops of many servos, stepped side by side."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from trunk_ros.arm.arm import STEP
+from trunk_ros.compiled import Array, compiled
+from trunk_ros.effects.servo.asked import ask, beyond, speed_asked
+from trunk_ros.effects.servo.loop import CLOSE, LONGEST
+from trunk_ros.effects.servo.speed import held_back, rise, towards
+from trunk_ros.effects.servo.summed import held_at_first, summed_up
+from trunk_ros.sine import sine
+
+SEVERAL = 4  # columns from which on it pays to step them side by side; twice as many of such as nothing rubs
+BLOCK = 8  # steps of which setpoints are looked up at once
+
+
+@compiled
+def servo_loops(
+    setpoint: Array,
+    stamp: Array,
+    kp: Array,
+    tau_v: Array,
+    up: Array,
+    down: Array,
+    delay: Array,
+    pull: Array,
+    load: Array,
+    torque: Array,
+    rub: Array,
+    reach: Array,
+    dead_zone: Array,
+    cogging: Array,
+    limits: Array,
+    ki: Array,
+    beside: Array,
+    ahead: float,
+    skip: int,
+    state: Array,
+    out: Array,
+) -> None:
+    """The same as ``servo_loop``, to the last bit, with the columns in the innermost loop."""
+    columns = setpoint.shape[1]
+    phi, v, stuck, bore, led, total = state[0], state[1], state[2], state[3], state[4], state[5]
+    held, substeps = np.zeros(columns, np.int64), np.zeros(columns, np.int64)
+    step, h, smooth = np.empty(columns), np.empty(columns), np.empty(columns)
+    tension, borne, moved = np.empty(columns), np.empty(columns), np.empty(columns)
+    known, asked, whole = np.full(columns, -1.0), np.zeros((BLOCK, columns)), np.empty(columns)
+    mixed, first_of = np.zeros(BLOCK, np.bool_), np.zeros((BLOCK, columns), np.int64)
+    clocked = np.zeros(columns, np.bool_)  # as the column before
+    below, above, own, used = -down, up + 0.0, np.zeros(columns), np.zeros(columns)
+    sums, feeds, over = np.any(ki != 0.0), len(beside) > 0, np.zeros((BLOCK, columns))
+    of_those, when = np.zeros(BLOCK, np.bool_), np.zeros((BLOCK, columns), np.int64)
+    for j in range(columns):
+        step[j] = min(STEP, CLOSE / kp[j])
+        clocked[j] = j > 0 and delay[j] == delay[j - 1] and step[j] == step[j - 1]
+        if skip > 0:
+            held[j] = max(np.searchsorted(stamp, stamp[skip - 1] - delay[j], side="right") - 1, 0)
+    rubs, cogs = np.any(rub != 0.0), np.any(cogging[0] != 0.0)
+    leads, strains = np.any(limits[0] < np.inf), np.any(limits[1] < np.inf)
+    dries = np.any(limits[2] != 0.0)
+    for j in range(columns):
+        if led[j] != led[j] and limits[0, j] < np.inf:
+            led[j] = phi[j] + v[j] / kp[j]
+    for k in range(skip, skip + len(out)):
+        span = min(stamp[k] - stamp[k - 1], LONGEST) if k > 0 else 0.0
+        most, zones = 0, False
+        for j in range(columns if k > 0 else 0):
+            if clocked[j]:
+                substeps[j], h[j] = substeps[j - 1], h[j - 1]
+            else:
+                substeps[j] = max(1, int(np.round(span / step[j])))
+                h[j] = span / substeps[j]
+            if h[j] != known[j]:
+                known[j] = h[j]
+                smooth[j] = rise(h[j], tau_v[j], ahead)
+            most = max(most, substeps[j])
+            zones = zones or dead_zone[k - skip, j] > 0.0
+        for j in range(columns):
+            moved[j] = 0.0
+            if rub[j] != 0.0 and bore[j] == bore[j]:
+                moved[j] = 0.5 * (load[k - skip, j] - bore[j]) * reach[j] / rub[j]
+                stuck[j] -= moved[j]
+            elif rub[j] != 0.0:
+                swing = cogging[0, j] * sine(cogging[1, j] * phi[j] + cogging[2, j])
+                off = setpoint[max(k - 1, 0), j] + pull[k - skip, j] + swing - phi[j]
+                bears = load[k - skip, j] + off - v[j] / kp[j]
+                stuck[j] = phi[j] - reach[j] * min(max(bears / rub[j], -1.0), 1.0)
+            if ki[j] != 0.0 and total[j] != total[j]:
+                pulls = load[k - skip, j] - (
+                    rub[j] * (phi[j] - stuck[j]) / reach[j] if rub[j] != 0.0 else 0.0
+                )
+                rest = (
+                    pull[k - skip, j] + cogging[0, j] * sine(cogging[1, j] * phi[j] + cogging[2, j]) - phi[j]
+                )
+                total[j] = held_at_first(
+                    setpoint, stamp, j, k, delay[j], rest, pulls, torque[j], v[j], kp[j],
+                    dead_zone[k - skip, j], -down[j], up[j],
+                )  # fmt: skip
+            borne[j] = load[k - skip, j] if bore[j] != bore[j] else 0.5 * (bore[j] + load[k - skip, j])
+            bore[j] = load[k - skip, j]
+        for first in range(0, most, BLOCK):
+            last = min(first + BLOCK, most)
+            if sums and feeds:
+                ask(
+                    beside, stamp, stamp[k] - span, delay, h, substeps, clocked, held.copy(), first, last,
+                    over, when, of_those,
+                )  # fmt: skip
+            ask(
+                setpoint, stamp, stamp[k] - span, delay, h, substeps, clocked, held, first, last,
+                asked, first_of, mixed,
+            )  # fmt: skip
+            for i in range(first, last):
+                row = i - first
+                error, mix = asked[row], mixed[row]
+                if leads:
+                    for j in range(columns):
+                        if limits[0, j] < np.inf and i < substeps[j]:
+                            came = led[j]
+                            led[j] = towards(came, error[j], limits[0, j] * h[j])
+                            error[j] = 0.5 * (came + led[j])
+                            first_of[row, j] = -1
+                if mix:
+                    for j in range(columns):
+                        whole[j] = error[j]
+                for j in range(columns):
+                    error[j] += pull[k - skip, j]
+                if cogs:
+                    for j in range(columns):
+                        error[j] += cogging[0, j] * sine(cogging[1, j] * phi[j] + cogging[2, j])
+                for j in range(columns):
+                    tension[j] = borne[j]
+                if rubs:
+                    for j in range(columns):
+                        if rub[j] != 0.0 and i < substeps[j]:
+                            stuck[j] = min(max(stuck[j], phi[j] - reach[j]), phi[j] + reach[j])
+                            tension[j] -= rub[j] * (phi[j] - stuck[j]) / reach[j]
+                for j in range(columns):
+                    error[j] = error[j] + (1.0 - torque[j]) * tension[j] - (phi[j] + ahead * h[j] * v[j])
+                if mix:
+                    for j in range(columns):
+                        whole[j] = error[j] - whole[j]
+                if sums:
+                    for j in range(columns):
+                        if ki[j] != 0.0 and i < substeps[j]:
+                            off = error[j] - (1.0 - torque[j]) * tension[j] - over[row, j]
+                            own[j] = h[j] * ki[j] * beyond(off, dead_zone[k - skip, j])
+                            used[j] = total[j] + ahead * own[j]
+                            below[j], above[j] = -down[j] - used[j], up[j] - used[j]
+                if zones:
+                    for j in range(columns):
+                        zone = dead_zone[k - skip, j]
+                        if zone > 0.0:
+                            error[j] = beyond(error[j], zone)
+                if sums:
+                    for j in range(columns):
+                        if ki[j] != 0.0 and i < substeps[j]:
+                            total[j] = summed_up(total[j], own[j], kp[j] * error[j], below[j], above[j])
+                for j in range(columns):
+                    goes_on = i < substeps[j]
+                    v_ref = kp[j] * error[j]
+                    v_ref = above[j] if v_ref > above[j] else v_ref  # not min, which could not be vectorised
+                    v_ref = below[j] if v_ref < below[j] else v_ref
+                    if mix and goes_on and first_of[row, j] >= 0:
+                        begun, zone = first_of[row, j], dead_zone[k - skip, j]
+                        t = stamp[k] - span + i * h[j] - delay[j]
+                        v_ref = speed_asked(
+                            setpoint, stamp, j, begun, t, h[j], kp[j], whole[j], zone, below[j], above[j]
+                        )
+                    v_ref += used[j]
+                    v_ref += kp[j] * torque[j] * tension[j]
+                    before = v[j]
+                    if strains and limits[1, j] < np.inf:
+                        v_ref = towards(before, before + smooth[j] * (v_ref - before), limits[1, j] * h[j])
+                        v[j] = v_ref if goes_on else before
+                    else:
+                        v[j] += (smooth[j] if goes_on else 0.0) * (v_ref - before)
+                    if dries and goes_on and limits[2, j] != 0.0:
+                        v[j] = held_back(v[j], smooth[j] * kp[j] * limits[2, j])
+                    phi[j] += (h[j] if goes_on else 0.0) * (v[j] + ahead * (before - v[j]))
+        for j in range(columns):
+            stuck[j] -= moved[j]
+            out[k - skip, j] = phi[j]

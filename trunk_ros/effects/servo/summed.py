@@ -1,0 +1,40 @@
+"""What the integral part of a servo's position loop asks for."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from trunk_ros.compiled import Array, compiled
+from trunk_ros.effects.servo.asked import beyond
+
+
+@compiled
+def held_at_first(
+    setpoint: Array,
+    stamp: Array,
+    j: int,
+    row: int,
+    late: float,
+    rest: float,
+    tension: float,
+    past: float,
+    v: float,
+    gain: float,
+    zone: float,
+    least: float,
+    most: float,
+) -> float:
+    """rad/s that an integral part asks for where a run begins, before ``row``: what the loop does not of the
+    shaft's speed ``v``; ``rest`` is what else is in the error, ``tension`` what pulls.
+    """
+    began = stamp[max(row - 1, 0)] - late + 1e-9
+    acts = setpoint[max(np.searchsorted(stamp, began, side="right") - 1, 0), j]
+    asked = gain * beyond(acts + rest + (1.0 - past) * tension, zone)
+    return v - min(max(asked, least), most) - gain * past * tension
+
+
+@compiled
+def summed_up(total: float, more: float, asked: float, least: float, most: float) -> float:
+    """No further while the loop asks for more than its top speed: it does not wind up."""
+    winds = (asked > most and more > 0.0) or (asked < least and more < 0.0)
+    return total if winds else total + more
