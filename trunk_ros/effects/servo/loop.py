@@ -69,10 +69,10 @@ def servo_loop(
     speed changes, and the error that the motor's dry friction holds; ``reach`` (columns,). A wire that slides
     holds the shaft back by ``rub``, from ``reach`` beyond where it stuck, no less than ``rub``: the loop
     would be stiffer than its gain. A wire that sticks keeps its tension: a ``load`` (rad of the setpoint)
-    that changes meanwhile only brings it nearer to sliding. Between two rows the mean of their loads acts. Of what wires pull the share
-    ``torque`` acts past the top speed that the position loop may ask for, the rest before it. Its integral
-    part, of the gain ``ki``, sums up neither what they pull nor what setpoints are fed ``beside`` (m or 0,
-    columns): it makes up for the one, and does not know of the other.
+    that changes meanwhile only brings it nearer to sliding. Between two rows the mean of their loads acts. Of
+    what wires pull the share ``torque`` acts past the top speed that the position loop may ask for, the rest
+    before it. Its integral part, of the gain ``ki``, sums up neither what they pull nor what setpoints are
+    fed ``beside`` (m or 0, columns): it makes up for the one, and does not know of the other.
     ``ahead`` of a step, the loop sees its shaft go on, and the shaft has the speed that it had: 0 as the
     reference, 1/2 as one that is integrated exactly, but for the square of the step.
     Within a step that late setpoints fall into, the time-weighted mean of what each asks for acts: the result
