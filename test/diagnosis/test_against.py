@@ -16,6 +16,9 @@ from trunk_ros.diagnosis import Diagnosis
 from trunk_ros.diagnosis.report.page import render
 from trunk_ros.diagnosis.simulators.against import with_room
 from trunk_ros.diagnosis.simulators.other_simulator import sides_told
+from trunk_ros.diagnosis.verdict.differences import known_of
+from trunk_ros.diagnosis.verdict.finding import Finding, evidence_of
+from trunk_ros.diagnosis.verdict.findings import value_of
 from trunk_ros.errors import RecordingError
 from trunk_ros.model import Model, load_model
 from trunk_ros.recording.recording import JointSeries, Recording
@@ -150,3 +153,20 @@ def test_a_simulator_that_is_faster_than_the_models_motors_has_no_top_speed_of_t
     quickest = np.abs(np.diff(phi.position, axis=0)).max() / np.median(np.diff(phi.stamp))
     assert quickest > model.arm.v_max
     assert with_room(model, [slow, fast]).arm.v_max > 5 * quickest
+
+
+def _of(name: str, sizes: dict[str, tuple[float, float]], parameter: str, unit: str) -> Finding:
+    """A finding with a value and its spread by joint."""
+    told = {joint: {parameter: value_of(size, std, unit)} for joint, (size, std) in sizes.items()}
+    return Finding(name, "wire", [*sizes], "always", 0.9, [], told, [], "as it was", evidence_of(form=""))
+
+
+def test_a_size_that_is_not_known_apart_from_nothing_is_not_listed() -> None:
+    """Offsets of 2e-07 +- 5.5e-05 had been told as what the simulation has."""
+    offsets = {"shoulder": (2e-7, 5.5e-5), "elbow": (4e-3, 5e-5)}
+    said = known_of(_of("zero_offset", offsets, "offset", "rad"))
+    assert said.startswith("elbow: ")
+    assert "shoulder" not in said
+    assert known_of(_of("zero_offset", {"shoulder": offsets["shoulder"]}, "offset", "rad")) == ""
+    unnamed = _of("unknown", {}, "", "")
+    assert known_of(unnamed) == "as it was"
