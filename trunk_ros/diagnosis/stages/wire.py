@@ -86,18 +86,18 @@ class WireStage(Stage):
 
         def lies(u: Array, scale: Array | None, core: Core) -> Any:
             rows, read = self._stand(span, column)
+            swings = any(block.form in block.dear for block in blocks)
+            each = tuple(range(rows[-1] + 1)) if swings else rows
 
-            def stood(rows: tuple[int, ...]) -> Now:
-                return beside(sight.now(index, column, payload, rows), times)
+            def stood() -> Now:
+                return beside(sight.now(index, column, payload, each), times)
 
-            if any(block.form in block.dear for block in blocks):
-                return begun(stood(tuple(range(rows[-1] + 1))), order, width, read, list(rows))
-            if core.rounding is not None:
-                return begun(stood(rows), order, width, read, slice(None))
-            came, some = u.take(rows, axis=0), list(rows)
-            came, wide = came if scale is None else came * scale, core.width
-            wide = wide[some] if len(wide) > 1 else wide
-            behind = stood(rows) if order.after or order.sensor else None
+            some = list(rows)
+            if swings or core.rounding is not None:
+                return begun(stood(), order, width, read, some if swings else slice(None))
+            came = u[some] if scale is None else u[some] * scale
+            wide = core.width[some] if len(core.width) > 1 else core.width
+            behind = stood() if order.after or order.sensor else None
             return held(came, core, wide, order, behind, read, slice(None))
 
         core = Core(nominal_width=width, width=width)
