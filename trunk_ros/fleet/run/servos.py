@@ -24,6 +24,7 @@ from trunk_ros.fleet.inputs.files import here
 from trunk_ros.fleet.inputs.listing import Job
 from trunk_ros.fleet.run.cluster import each
 from trunk_ros.model import Model
+from trunk_ros.recording.output import new_file
 from trunk_ros.recording.read import read_recording
 from trunk_ros.recording.recording import Recording
 
@@ -65,10 +66,8 @@ def servos(
 def _keep(file: Path, setting: str, told: dict[str, Servos]) -> None:
     """All that were found so far: a run that is stopped here does not begin anew."""
     arms = {arm: asdict(found) for arm, found in told.items()}
-    file.parent.mkdir(parents=True, exist_ok=True)
-    draft = file.with_name(f".{file.name}")
-    draft.write_text(json.dumps({"model": setting, "arms": arms}, indent=1) + "\n")
-    draft.replace(file)
+    with new_file(file, overwrite=True) as draft:
+        draft.write_text(json.dumps({"model": setting, "arms": arms}, indent=1) + "\n")
 
 
 def _kept(file: Path, setting: str) -> dict[str, Servos]:
