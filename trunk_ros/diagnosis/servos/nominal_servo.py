@@ -5,12 +5,13 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from itertools import product
 from typing import Literal
 
 import numpy as np
 
-from trunk_ros.arm.arm import SERVO_OF_EACH, STEP, Arm
+from trunk_ros.arm.arm import SERVO_OF_EACH, Arm
 from trunk_ros.arm_model import SAMPLED
 from trunk_ros.compiled import Array
 from trunk_ros.data.align import servo_joints, servo_span
@@ -18,13 +19,17 @@ from trunk_ros.data.excerpt import excerpt, moving
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.first_look import first_look
 from trunk_ros.diagnosis.search.score import SIGNIFICANT
+from trunk_ros.diagnosis.servos.further import beside_more
 from trunk_ros.diagnosis.servos.servo_loop import (
+    FED,
+    STARTS,
     TOP_SPEED,
+    TOPS,
     Loop,
     cost_of,
     fastest_of,
+    in_its_valley,
     is_explained,
-    later,
     numbers_of,
     with_top,
 )
@@ -34,16 +39,11 @@ from trunk_ros.diagnosis.stages.servo import ServoStage
 from trunk_ros.effect_values import Values
 from trunk_ros.effects import effect
 from trunk_ros.effects.moments import NULLS
-from trunk_ros.levels import CLEARLY, LITTLE, SEVERAL, THREEFOLD
+from trunk_ros.levels import CLEARLY, SEVERAL
 from trunk_ros.model import Model
 from trunk_ros.recording.recording import Recording
 
-STARTS = (5.0, 20.0, 80.0, 320.0), (0.1, 0.5), (0.0, 0.02, 0.08)
-"""kp [1/s], kp tau_v, delay [s]."""
-TOPS = (1.0, THREEFOLD)  # v_max over the highest speed seen: one that is reached, and one that is left open
 METHODS: tuple[Literal["dogbox", "trf"], ...] = ("dogbox", "trf")  # one goes on where the other stands
-VALLEYS = STEP * np.array([-1.0, -0.5, 0.5, 1.0])  # s: a loop that is stepped is best at some delays
-FED = (0.3, 1.0)  # shares of the setpoint's speed that are tried first
 
 
 @dataclass(frozen=True)
@@ -89,6 +89,11 @@ def with_its_servo(model: Model, recordings: Sequence[Recording], known: Servos 
     """
     if known is not None and known.numbers:
         return _identified(known.on(model), recordings, known.numbers)[0]
+    return _with_further(_of_its_setpoints(model, recordings), recordings)
+
+
+def _of_its_setpoints(model: Model, recordings: Sequence[Recording]) -> Model:
+    """The model with its servos, and with setpoints that are samples where these are nearer."""
     held, left, loops = _identified(model, recordings)
     if model.setpoints == SAMPLED:
         return _fed(held, recordings)
@@ -182,6 +187,17 @@ def _fed(model: Model, recordings: Sequence[Recording]) -> Model:
     return _with(model, numbers)
 
 
+def _with_further(model: Model, recordings: Sequence[Recording]) -> Model:
+    """The model with the loops that its servos have beside what else they do, which is to be found then."""
+    numbers = numbers_of_each(model.arm)
+    for context, column, joint in moved(model, recordings):
+        loop = _at(context, column, numbers[:, joint])
+        left = loop.left(numbers[:, joint])
+        if not is_explained(loop, left) and not clipped(context, column):
+            numbers[:, joint] = beside_more(replace(loop, pulled=()), numbers[:, joint], left)
+    return _with(model, numbers)
+
+
 def moved(model: Model, recordings: Sequence[Recording]) -> Iterator[tuple[Context, int, int]]:
     """A look at the servos, and the place in it and in the arm of each joint that was asked to move, and
     did.
@@ -238,12 +254,7 @@ def _fitted(whole: Loop, told: Array) -> tuple[Array, float]:
         begun = part.nearest(starts, SEVERAL)
         near = min((part.fitted(x, method, rough=True) for x in begun for method in METHODS), key=cost_of)
         fits.append(near if part is whole else whole.fitted(near.x, rough=True))
-    at, nearest = np.inf, min(fits, key=cost_of)
-    while nearest.cost < (1.0 - LITTLE) * at:
-        at = nearest.cost
-        there = (later(nearest.x, by, whole.low[:4], whole.high[:4]) for by in VALLEYS)
-        beside = [whole.fitted(x, rough=True) for x in there]
-        nearest = min([nearest, *beside], key=cost_of)
+    nearest = in_its_valley(min(fits, key=cost_of), partial(whole.fitted, rough=True), whole)
     best = numbers_of(min(nearest, whole.fitted(nearest.x), key=cost_of).x)
     cost = whole.left(best)
     open_top = np.maximum(told, TOPS[-1] * fastest)

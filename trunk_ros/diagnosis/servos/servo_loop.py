@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Literal
 
 import numpy as np
 from scipy.optimize import least_squares
 
-from trunk_ros.arm.arm import SERVO_OF_EACH
+from trunk_ros.arm.arm import SERVO_OF_EACH, STEP
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.hypothesis import Hypothesis
@@ -19,7 +19,7 @@ from trunk_ros.diagnosis.search.score import SIGNIFICANT
 from trunk_ros.diagnosis.search.starts import Starts
 from trunk_ros.diagnosis.stages.servo import ServoStage
 from trunk_ros.guards import ROUNDED, TINY
-from trunk_ros.levels import HALF, OUTLIERS
+from trunk_ros.levels import HALF, LITTLE, OUTLIERS, THREEFOLD
 from trunk_ros.parameter import leading
 
 RECORDED = "effort"  # what effects need that go by a recorded torque
@@ -27,6 +27,11 @@ STIFFEST = 2000.0  # 1/s: what answers faster is where it was asked to be, for a
 SWINGS = 1.0 / (2.0 * HALF) ** 2  # kp tau_v of a loop with half of critical damping: no servo swings longer
 HARDLY_MORE = 2.0  # times the squares of noise: as much again may be what no formula of a loop says
 TOP_SPEED = np.array(SERVO_OF_EACH) == "v_max"
+STARTS = (5.0, 20.0, 80.0, 320.0), (0.1, 0.5), (0.0, 0.02, 0.08)
+"""kp [1/s], kp tau_v, delay [s]."""
+TOPS = (1.0, THREEFOLD)  # v_max over the highest speed seen: one that is reached, and one that is left open
+FED = (0.3, 1.0)  # shares of the setpoint's speed that are tried first
+VALLEYS = STEP * np.array([-1.0, -0.5, 0.5, 1.0])  # s
 STEPS = np.array([0.01, 0.01, 0.01, 1e-3, 0.01])  # of logarithms, s, and a share
 
 
@@ -97,17 +102,21 @@ class Loop:
         """(n,) whitened: what a servo with ``numbers`` (5,) leaves, pulled by as much as explains most."""
         return self.residuals([numbers])[0]
 
-    def residuals(self, some: Sequence[Array]) -> list[Array]:
-        """The same of several, which are stepped side by side."""
+    def residuals(self, some: Sequence[Array], further: Sequence[Hypothesis] = ()) -> list[Array]:
+        """The same of several, which are stepped side by side; each with what is known and ``further`` where
+        that is given.
+        """
         context, stage = self.context, self.context.stage
         assert isinstance(stage, ServoStage)
-        known, out = [self.clipped or context.known, *self.pulled], []
-        most = max(context.together // len(known), 1)
+        known, out = further or [self.clipped or context.known] * len(some), list[Array]()
+        width = 1 + len(self.pulled)
+        most = max(context.together // width, 1)
         for k in range(0, len(some), most):
-            numbers = np.repeat(np.column_stack(some[k : k + most]), len(known), axis=1)
+            numbers = np.repeat(np.column_stack(some[k : k + most]), width, axis=1)
             here = replace(context, stage=stage.trying(numbers))
-            seen = here.whitened_each([(one, self.column) for _ in some[k : k + most] for one in known])
-            out += [self._pulled_back(*seen[j : j + len(known)]) for j in range(0, len(seen), len(known))]
+            each = [(h, self.column) for one in known[k : k + most] for h in (one, *self.pulled)]
+            seen = here.whitened_each(each)
+            out += [self._pulled_back(*seen[j : j + width]) for j in range(0, len(seen), width)]
         return out
 
     def _pulled_back(self, rest: Array, *pulled: Array) -> Array:
@@ -133,23 +142,42 @@ class Loop:
         """From a start, (4,) or (5,); with a velocity loop of that ``tau_v`` where it is given. ``rough``: as
         far as the search fits, of one among many.
         """
-        usual, low, high = STEPS[: len(start)], self.low[: len(start)], self.high[: len(start)]
-        enough, seen = 1e-4 * GAINED if rough else 1e-8, dict[bytes, Array]()
+        n = len(start)
+        bounds, enough = np.array([self.low[:n], self.high[:n]]), 1e-4 * GAINED if rough else 1e-8
 
-        def residual(x: Array) -> Array:
-            if x.tobytes() not in seen:
-                seen.clear()
-                seen[x.tobytes()] = self.residual(numbers_of(x, tau_v))
-            return seen[x.tobytes()]
+        def residuals(some: Sequence[Array]) -> list[Array]:
+            return self.residuals([numbers_of(x, tau_v) for x in some])
 
-        def slopes(x: Array) -> Array:
-            base, steps = residual(x), np.diag(np.where(x + usual < high, usual, -usual))
-            beside = self.residuals([numbers_of(x + h, tau_v) for h in steps])
-            return np.column_stack([(there - base) / h.sum() for there, h in zip(beside, steps, strict=True)])
+        return solved(residuals, start, STEPS[:n], bounds, method, enough)
 
-        return least_squares(
-            residual, start, slopes, (low, high), method, enough, enough, x_scale="jac", max_nfev=60
-        )
+
+def solved(
+    residuals: Callable[[Sequence[Array]], list[Array]],
+    start: Array,
+    usual: Array,
+    bounds: Array,
+    method: Literal["dogbox", "trf"] = "trf",
+    enough: float = 1e-8,
+) -> Any:
+    """Least squares from a start (k,) within ``bounds`` (2, k), with slopes from ``usual`` steps (k,), all
+    looked at side by side.
+    """
+    seen = dict[bytes, Array]()
+
+    def residual(x: Array) -> Array:
+        if x.tobytes() not in seen:
+            seen.clear()
+            (seen[x.tobytes()],) = residuals([x])
+        return seen[x.tobytes()]
+
+    def slopes(x: Array) -> Array:
+        base, steps = residual(x), np.diag(np.where(x + usual < bounds[1], usual, -usual))
+        beside = residuals([x + h for h in steps])
+        return np.column_stack([(there - base) / h.sum() for there, h in zip(beside, steps, strict=True)])
+
+    return least_squares(
+        residual, start, slopes, tuple(bounds), method, enough, enough, x_scale="jac", max_nfev=60
+    )
 
 
 def numbers_of(x: Array, tau_v: float | None = None) -> Array:
@@ -176,7 +204,19 @@ def cost_of(fit: Any) -> float:
     return float(fit.cost)
 
 
-def later(x: Array, by: float, low: Array, high: Array) -> Array:
+def in_its_valley(nearest: Any, fitted: Callable[[Array], Any], loop: Loop) -> Any:
+    """The best fit that is near one by the delay: a loop that is stepped is best at some delays."""
+    at = np.inf
+    while nearest.cost < (1.0 - LITTLE) * at:
+        at = nearest.cost
+        beside = [fitted(_later(nearest.x, by, loop)) for by in VALLEYS]
+        nearest = min([nearest, *beside], key=cost_of)
+    return nearest
+
+
+def _later(x: Array, by: float, loop: Loop) -> Array:
     """What is fitted of a loop that is ``by`` s later, and as much quicker."""
-    lag = np.exp(-x[0]) - by
-    return np.asarray(np.clip([-np.log(lag) if lag > 0.0 else x[0], *x[1:3], x[3] + by], low, high))
+    lag, there = np.exp(-x[0]) - by, x.copy()
+    there[0], there[3] = -np.log(lag) if lag > 0.0 else x[0], x[3] + by
+    there[:4] = np.clip(there[:4], loop.low[:4], loop.high[:4])
+    return there

@@ -1,0 +1,39 @@
+"""Drives of which nothing is said, that do what no first-order loop does: both are found."""
+
+from __future__ import annotations
+
+import pytest
+
+from test.diagnosis.arms import diagnose
+from test.diagnosis.test_drive_limits import limited
+from test.diagnosis.test_nominal_servo import NOISE, _left, of_joints
+
+
+@pytest.mark.parametrize(
+    ("effect", "parameter", "size"),
+    [
+        ("integral_action", "ki", 15.0),
+        ("motor_friction", "friction", 0.004),
+        ("acceleration_limit", "acceleration", 8.0),
+    ],
+)
+def test_a_loop_is_found_beside_what_its_drive_does_besides(effect: str, parameter: str, size: float) -> None:
+    """Its numbers had made up for that, and another motion was off by 0.1 to 50 mrad."""
+    run, other = (of_joints(limited({effect: {parameter: size}}, seed), "shoulder") for seed in (1, 2))
+    found = diagnose(run, model="direct")
+    (finding,) = found.findings
+    assert (finding.effect, found.verdict) == (effect, "explained")
+    (values,) = finding.parameters.values()
+    assert values[parameter]["value"] == pytest.approx(size, rel=0.01)
+    arm = found.model.arm
+    assert [*arm.kp, *arm.tau_v] == pytest.approx([20.0, 0.02], rel=0.01)
+    assert _left(found.model, other).max() < 1.1 * NOISE
+
+
+def test_two_such_things_are_found_one_after_the_other() -> None:
+    """The integral part had been 17 and friction 0.0038, at 0.6 mrad."""
+    both = {"integral_action": {"ki": 15.0}, "motor_friction": {"friction": 0.004}}
+    run, other = (of_joints(limited(both, seed), "shoulder") for seed in (1, 2))
+    found = diagnose(run, model="direct")
+    assert ({f.effect for f in found.findings}, found.verdict) == (set(both), "explained")
+    assert _left(found.model, other).max() < 1.1 * NOISE
