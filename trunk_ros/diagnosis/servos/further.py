@@ -4,7 +4,7 @@ make up for it.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from itertools import product
 from typing import Any
@@ -34,11 +34,13 @@ from trunk_ros.effects import Effect
 from trunk_ros.levels import CLEARLY, HARDLY, SEVERAL
 from trunk_ros.parameter import Parameter, leading
 
+Beside = tuple["Further", Array, float]
+"""What a drive does besides, what is fitted of it and its loop, and what is left of its squared residual."""
 
-def beside_more(loop: Loop, numbers: Array, cost: float) -> Array:
-    """The numbers (5,), as in SERVO_OF_EACH, of a loop beside what else its drive does, one thing after the
-    other while that leaves clearly less of its squared residual; its own ``numbers``, which leave a ``cost``,
-    where nothing does.
+
+def beside_more(loop: Loop, numbers: Array, cost: float) -> Beside:
+    """A loop beside what else its drive does, one thing after the other while that leaves clearly less. With
+    its own ``numbers`` (5,), which leave a ``cost``, beside nothing where nothing does.
     """
     begin = Starts(loop.context, loop.context.known, [loop.column])
     kinds = {
@@ -46,7 +48,7 @@ def beside_more(loop: Loop, numbers: Array, cost: float) -> Array:
         for kind in usable(loop.context)
         if _is_further(kind)
     }
-    best, at = _Further(loop, ()), loop.at(numbers)[: 5 if numbers[-1] else 4]
+    best, at = Further(loop, ()), loop.at(numbers)[: 5 if numbers[-1] else 4]
     while kinds and not is_explained(loop, cost):
         each = [(other := best.and_with(kind), other.begun(at, sizes)) for kind, sizes in kinds.items()]
         further, found = min(each, key=lambda one: cost_of(one[1]))
@@ -55,7 +57,20 @@ def beside_more(loop: Loop, numbers: Array, cost: float) -> Array:
         best, found = further, further.settled(found)
         at, cost = found.x, 2.0 * cost_of(found)
         del kinds[best.kinds[-1]]
-    return best.numbers(at) if best.kinds else numbers
+    return best, at, cost
+
+
+def like_others(own: Beside, others: Iterable[Beside]) -> Beside:
+    """What is found of a drive, or what the ``others`` of its arm lead to where that leaves clearly less."""
+    further, _, cost = own
+    if is_explained(further.loop, cost):
+        return own
+    for other, at, _ in others:
+        there = Further(further.loop, other.kinds)
+        found = there.settled(there.fitted(at))
+        if CLEARLY**2 * 2.0 * cost_of(found) < own[-1]:
+            own = there, found.x, 2.0 * cost_of(found)
+    return own
 
 
 def _lead(kind: type[Effect]) -> Parameter:
@@ -70,7 +85,7 @@ def _is_further(kind: type[Effect]) -> bool:
 
 
 @dataclass(frozen=True)
-class _Further:
+class Further:
     """A loop with some of these effects. What is fitted is (4,) as in ``Loop``, or (5,) of a drive that is
     told the speed of its setpoints, and the size of each effect.
     """
@@ -78,7 +93,7 @@ class _Further:
     loop: Loop
     kinds: tuple[type[Effect], ...]
 
-    def and_with(self, kind: type[Effect]) -> _Further:
+    def and_with(self, kind: type[Effect]) -> Further:
         """With another one."""
         return replace(self, kinds=(*self.kinds, kind))
 

@@ -19,7 +19,7 @@ from trunk_ros.data.excerpt import excerpt, moving
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.first_look import first_look
 from trunk_ros.diagnosis.search.score import SIGNIFICANT
-from trunk_ros.diagnosis.servos.further import beside_more
+from trunk_ros.diagnosis.servos.further import Beside, beside_more, like_others
 from trunk_ros.diagnosis.servos.servo_loop import (
     FED,
     STARTS,
@@ -189,12 +189,16 @@ def _fed(model: Model, recordings: Sequence[Recording]) -> Model:
 
 def _with_further(model: Model, recordings: Sequence[Recording]) -> Model:
     """The model with the loops that its servos have beside what else they do, which is to be found then."""
-    numbers = numbers_of_each(model.arm)
+    numbers, found = numbers_of_each(model.arm), dict[int, Beside]()
     for context, column, joint in moved(model, recordings):
         loop = _at(context, column, numbers[:, joint])
         left = loop.left(numbers[:, joint])
         if not is_explained(loop, left) and not clipped(context, column):
-            numbers[:, joint] = beside_more(replace(loop, pulled=()), numbers[:, joint], left)
+            found[joint] = beside_more(replace(loop, pulled=()), numbers[:, joint], left)
+    some = [one for one in found.values() if one[0].kinds]
+    for joint, own in found.items():
+        further, at, _ = like_others(own, (one for one in some if one is not own))
+        numbers[:, joint] = further.numbers(at) if further.kinds else numbers[:, joint]
     return _with(model, numbers)
 
 
