@@ -52,7 +52,10 @@ def test_it_does_not_wind_up_while_the_loop_asks_for_more_than_its_top_speed() -
     stamp, setpoint = asked()
     got = servo(setpoint, stamp, {"integral_action": {"ki": 40.0}}, v_max=0.8)[:, 0]
     assert got == pytest.approx(in_steps(setpoint[:, 0], 40.0, top=0.8), abs=2e-3)
-    assert np.abs(got - in_steps(setpoint[:, 0], 40.0, top=0.8, winds=True)).max() > 0.05
+    wound = in_steps(setpoint[:, 0], 40.0, top=0.8, winds=True)
+    assert np.abs(got - wound).max() > 0.05
+    winds = {"integral_action": {"ki": 40.0, "windup": 1e4}}
+    assert servo(setpoint, stamp, winds, v_max=0.8)[:, 0] == pytest.approx(wound, abs=2e-3)
 
 
 def test_what_loads_pull_is_made_up_for() -> None:

@@ -292,9 +292,10 @@ def test_joints_side_by_side_come_out_as_each_by_itself(
         rng.normal(scale=1e-3, size=setpoint.shape), rng.normal(scale=1e-3, size=setpoint.shape),
         0.3 * each, held * each, reach * each,
         np.full(setpoint.shape, held) * (each > 1.0), np.array([1e-3 * each, 22.0 * each, each]),
-        np.concatenate(
-            [np.where(limited * each > 1.0, [0.5 * each, 9.0 * each], np.inf), [0.5 * held * each]]
-        ),
+        np.vstack([
+            np.where(limited * each > 1.0, [0.5 * each, 9.0 * each], np.inf),
+            np.outer([0.5 * held, 0.1], each),
+        ]),
         np.where(each > 0.7, summing * each, 0.0),
         rng.normal(scale=1e-3, size=setpoint.shape)[: len(setpoint) if fed else 0],
     ]  # fmt: skip

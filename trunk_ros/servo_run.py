@@ -52,6 +52,7 @@ def servo_core(arm: Arm, effects: Sequence[Effect], now: Now, numbers: Array | N
         hardest=none + np.inf,
         dry=none,
         ki=none,
+        windup=none,
         teeth=np.zeros((2, 1, columns)),
     )
     for e in effects:
@@ -181,7 +182,7 @@ def _side_by_side(
 
 
 def _limits(core: Core) -> Array:
-    return np.stack(np.broadcast_arrays(core.quickest, core.hardest, core.dry))
+    return np.stack(np.broadcast_arrays(core.quickest, core.hardest, core.dry, core.windup))
 
 
 def _changes(core: Core, rows: int) -> list[int]:

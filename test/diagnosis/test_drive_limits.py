@@ -14,9 +14,9 @@ from test.diagnosis.test_nominal_servo import PLAIN, _left, _stated, recorded_se
 from trunk_ros.recording.recording import Recording
 
 
-def limited(effects: dict[str, Any], seed: int) -> Recording:
+def limited(effects: dict[str, Any], seed: int, **servo: float) -> Recording:
     run = recorded_servos(PLAIN, seed, after=0.0, seconds=30.0)
-    moved = _moved(run, replace(_stated(), effects=effects))
+    moved = _moved(run, replace(_stated(**servo), effects=effects))
     return replace(run, series=run.series | {"gearbox_states": moved})
 
 

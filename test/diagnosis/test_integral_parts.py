@@ -9,7 +9,7 @@ import pytest
 
 from test.diagnosis.arms import diagnose
 from test.diagnosis.test_drive_limits import limited
-from test.diagnosis.test_nominal_servo import _left, _stated
+from test.diagnosis.test_nominal_servo import _left, _stated, of_joints
 
 
 @pytest.mark.parametrize("ki", [2.0, 15.0])
@@ -31,6 +31,18 @@ def test_one_drive_that_has_it_is_told_alone() -> None:
     (finding,) = found.findings
     assert (finding.effect, finding.joints) == ("integral_action", ["elbow"])
     assert finding.parameters["elbow"]["ki"]["value"] == pytest.approx(12.0, rel=0.01)
+
+
+@pytest.mark.parametrize("model", [_stated(v_max=0.8), "direct"])
+def test_one_that_winds_up_is_told_by_that(model: Any) -> None:
+    """It had been `unknown` beside a velocity loop, at 50 to 250 mrad on another motion."""
+    winds = {"integral_action": {"ki": 15.0, "windup": 1e4}}
+    run, other = (of_joints(limited(winds, seed, v_max=0.8), "shoulder", "elbow") for seed in (1, 2))
+    found = diagnose(run, model=model)
+    (finding,) = found.findings
+    assert (finding.effect, found.verdict) == ("integral_action", "explained")
+    assert finding.parameters["arm"]["windup"]["value"] > 10.0
+    assert _left(found.model, other).max() < 6e-5
 
 
 def test_an_offset_is_none_that_hardly_sums_up() -> None:

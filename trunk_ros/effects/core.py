@@ -72,6 +72,8 @@ class Core:
     """(1, columns) rad/s^2 by which the servo's speed changes at most; inf: as its loop asks."""
     ki: Array = field(default_factory=lambda: NONE)
     """(1, columns) 1/s^2: gain of the integral part of the position loop."""
+    windup: Array = field(default_factory=lambda: NONE)
+    """(1, columns) rad/s beyond the top speed up to which that sums up."""
     geometry: Geometry = field(default_factory=lambda: AS_DESCRIBED)
     along: Array = field(default_factory=lambda: NO_TURN)
     """(joints, 3) unit vectors from each joint to the next, in the joint's frame."""

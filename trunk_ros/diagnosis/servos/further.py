@@ -43,20 +43,20 @@ def beside_more(loop: Loop, numbers: Array, cost: float) -> Beside:
     its own ``numbers`` (5,), which leave a ``cost``, beside nothing where nothing does.
     """
     begin = Starts(loop.context, loop.context.known, [loop.column])
-    kinds = {
-        kind: sorted({float(s[_lead(kind).name]) for s in begin.on(kind, kind.apart, loop.column)})
-        for kind in usable(loop.context)
-        if _is_further(kind)
-    }
+    sizes = dict[Part, list[float]]()
+    for kind in filter(_is_further, usable(loop.context)):
+        for start in begin.on(kind, kind.apart, loop.column):
+            rest = {name: value for name, value in start.items() if name != _lead(kind).name}
+            sizes.setdefault(Part(kind, tuple(rest.items())), []).append(float(start[_lead(kind).name]))
     best, at = Further(loop, ()), loop.at(numbers)[: 5 if numbers[-1] else 4]
-    while kinds and not is_explained(loop, cost):
-        each = [(other := best.and_with(kind), other.begun(at, sizes)) for kind, sizes in kinds.items()]
+    while sizes and not is_explained(loop, cost):
+        each = [(other := best.and_with(part), other.begun(at, some)) for part, some in sizes.items()]
         further, found = min(each, key=lambda one: cost_of(one[1]))
         if CLEARLY**2 * 2.0 * cost_of(found) >= cost:
             break
         best, found = further, further.settled(found)
         at, cost = found.x, 2.0 * cost_of(found)
-        del kinds[best.kinds[-1]]
+        sizes = {part: some for part, some in sizes.items() if part.kind is not best.parts[-1].kind}
     return best, at, cost
 
 
@@ -66,22 +66,50 @@ def like_others(own: Beside, others: Iterable[Beside]) -> Beside:
     if is_explained(further.loop, cost):
         return own
     for other, at, _ in others:
-        there = Further(further.loop, other.kinds)
+        there = Further(further.loop, other.parts)
         found = there.settled(there.fitted(at))
         if CLEARLY**2 * 2.0 * cost_of(found) < own[-1]:
             own = there, found.x, 2.0 * cost_of(found)
     return own
 
 
-def _lead(kind: type[Effect]) -> Parameter:
-    return leading(kind.own_parameters(kind.apart))
-
-
 def _is_further(kind: type[Effect]) -> bool:
     """Whether an effect is one number of a drive that no loop has without it."""
     if not kind.everywhere or not kind.apart or kind.changes in SERVO_OF_EACH or kind.bears(kind.apart):
         return False
-    return len(kind.own_parameters(kind.apart)) == 1
+    return sum(not p.optional for p in kind.own_parameters(kind.apart)) == 1
+
+
+def _lead(kind: type[Effect]) -> Parameter:
+    return leading(kind.own_parameters(kind.apart))
+
+
+@dataclass(frozen=True)
+class Part:
+    """One of these effects, with options as they are tried from the beginning."""
+
+    kind: type[Effect]
+    options: tuple[tuple[str, float], ...] = ()
+
+    @property
+    def log(self) -> bool:
+        """Whether its size is fitted as a logarithm."""
+        return _lead(self.kind).scale == "log"
+
+    @property
+    def bounds(self) -> Array:
+        """(2,) of what is fitted."""
+        return np.log(_lead(self.kind).bounds) if self.log else np.array(_lead(self.kind).bounds)
+
+    @property
+    def step(self) -> float:
+        """A step of that, for slopes."""
+        return HARDLY * (1.0 if self.log else _lead(self.kind).typical)
+
+    def on(self, column: int, fitted: float) -> Candidate:
+        """As a candidate, from what is fitted."""
+        size = {_lead(self.kind).name: float(np.exp(fitted) if self.log else fitted)}
+        return Candidate(self.kind.id, self.kind.apart, column, size | dict(self.options))
 
 
 @dataclass(frozen=True)
@@ -91,24 +119,22 @@ class Further:
     """
 
     loop: Loop
-    kinds: tuple[type[Effect], ...]
+    parts: tuple[Part, ...]
 
-    def and_with(self, kind: type[Effect]) -> Further:
+    def and_with(self, part: Part) -> Further:
         """With another one."""
-        return replace(self, kinds=(*self.kinds, kind))
+        return replace(self, parts=(*self.parts, part))
 
     def hypothesis(self, x: Array) -> Hypothesis:
         """What is known, and the effects."""
         out = self.loop.context.known
-        for kind, size in zip(self.kinds, self._of_loop(x)[1], strict=True):
-            value = float(np.exp(size) if _is_log(kind) else size)
-            there = Candidate(kind.id, kind.apart, self.loop.column, {_lead(kind).name: value})
-            out = extended(self.loop.context, out, there)
+        for part, size in zip(self.parts, self._of_loop(x)[1], strict=True):
+            out = extended(self.loop.context, out, part.on(self.loop.column, size))
         return out
 
     def _of_loop(self, x: Array) -> tuple[Array, Array]:
         """What is fitted of the loop, and of the effects."""
-        n = len(x) - len(self.kinds)
+        n = len(x) - len(self.parts)
         return x[:n], x[n:]
 
     def _residuals(self, some: Sequence[Array]) -> list[Array]:
@@ -117,11 +143,11 @@ class Further:
 
     def begun(self, at: Array, sizes: Sequence[float]) -> Any:
         """The best fit from one without the last effect, or from usual loops, with some ``sizes`` of it."""
-        top, others = at[2], at[len(at) - len(self.kinds) + 1 :]
+        top, others = at[2], at[len(at) - len(self.parts) + 1 :]
         usual = [
             np.array([*np.log([kp, swings]), top, late, *others]) for kp, swings, late in product(*STARTS)
         ]
-        log = _is_log(self.kinds[-1])
+        log = self.parts[-1].log
         starts = [np.append(x, np.log(size) if log else size) for x in (at, *usual) for size in sizes]
         left = [float(rest @ rest) for rest in self._residuals(starts)]
         near = [starts[k] for k in np.argsort(left, kind="stable")[:SEVERAL]]
@@ -129,10 +155,9 @@ class Further:
 
     def fitted(self, start: Array) -> Any:
         """From a start."""
-        loop, n = self.loop, len(start) - len(self.kinds)
-        bounds = np.array([np.log(_lead(k).bounds) if _is_log(k) else _lead(k).bounds for k in self.kinds])
-        bounds = np.vstack([np.column_stack([loop.low, loop.high])[:n], bounds.reshape(-1, 2)])
-        steps = [HARDLY * (1.0 if _is_log(kind) else _lead(kind).typical) for kind in self.kinds]
+        loop, n = self.loop, len(start) - len(self.parts)
+        bounds = np.vstack([np.column_stack([loop.low, loop.high])[:n], *(p.bounds for p in self.parts)])
+        steps = [part.step for part in self.parts]
         return solved(self._residuals, start, np.append(STEPS[:n], steps), bounds.T)
 
     def settled(self, best: Any) -> Any:
@@ -142,7 +167,7 @@ class Further:
         reached = best.x.copy()
         reached[2] = np.log(fastest_of(self.loop.context, self.loop.column))
         best = in_its_valley(min(best, self.fitted(reached), key=cost_of), self.fitted, self.loop)
-        if is_explained(self.loop, 2.0 * cost_of(best)) or len(best.x) - len(self.kinds) > 4:
+        if is_explained(self.loop, 2.0 * cost_of(best)) or len(best.x) - len(self.parts) > 4:
             return best
         told = (self.fitted(np.insert(x, 4, share)) for x in (best.x, reached) for share in FED)
         nearest = in_its_valley(min(told, key=cost_of), self.fitted, self.loop)
@@ -154,7 +179,3 @@ class Further:
         there[2] = max(x[2], np.log(TOPS[-1] * fastest_of(self.loop.context, self.loop.column)))
         left, rest = (float(one @ one) for one in self._residuals([x, there]))
         return numbers_of(self._of_loop(x if rest - left > SIGNIFICANT else there)[0])
-
-
-def _is_log(kind: type[Effect]) -> bool:
-    return _lead(kind).scale == "log"

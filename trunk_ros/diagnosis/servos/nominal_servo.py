@@ -195,10 +195,10 @@ def _with_further(model: Model, recordings: Sequence[Recording]) -> Model:
         left = loop.left(numbers[:, joint])
         if not is_explained(loop, left) and not clipped(context, column):
             found[joint] = beside_more(replace(loop, pulled=()), numbers[:, joint], left)
-    some = [one for one in found.values() if one[0].kinds]
+    some = [one for one in found.values() if one[0].parts]
     for joint, own in found.items():
         further, at, _ = like_others(own, (one for one in some if one is not own))
-        numbers[:, joint] = further.numbers(at) if further.kinds else numbers[:, joint]
+        numbers[:, joint] = further.numbers(at) if further.parts else numbers[:, joint]
     return _with(model, numbers)
 
 

@@ -9,9 +9,13 @@ from trunk_ros.effects.core import Core
 from trunk_ros.effects.effect import Effect, Now
 from trunk_ros.parameter import Parameter
 
+WOUND = 100.0  # rad/s: more than any error asks for
+
 
 class IntegralAction(Effect):
-    """v_ref = clip(Kp e + ki sum, -v_max, v_max), sum' = e, but for errors that lead further beyond v_max."""
+    """v_ref = clip(Kp e + ki sum, -v_max, v_max), sum' = e, but for errors that lead further beyond v_max, or
+    what may wind up past it.
+    """
 
     id = "integral_action"
     sizes = ("ki",)
@@ -34,6 +38,16 @@ class IntegralAction(Effect):
             shared=True,
             scan=(5.0, 50.0),
         ),
+        Parameter(
+            "windup",
+            "rad/s",
+            (0.0, 1e4),
+            "speed that it asks for beyond the top speed until it sums up no further",
+            typical=1.0,
+            shared=True,
+            scan=(1.0, 100.0),
+            optional=True,
+        ),
     )
     forms = ("alike", "apart")
     apart = "apart"
@@ -50,8 +64,18 @@ class IntegralAction(Effect):
     )
 
     @classmethod
+    def options(cls, form: str) -> tuple[dict[str, float], ...]:
+        return ({}, {"windup": WOUND})  # a drive that winds up without end is far from one that does not
+
+    @classmethod
+    def own_parameters(cls, form: str) -> tuple[Parameter, ...]:
+        own, windup = cls.parameters
+        return (cls.of_each()[0] if form == cls.apart else own, windup)
+
+    @classmethod
     def changed(cls, number: Any, values: Mapping[str, Any]) -> Any:
         return number + np.asarray(values.get("ki", 0.0), dtype=float)
 
     def adjust(self, core: Core, now: Now) -> None:
         core.ki = core.ki + self["ki"]
+        core.windup = core.windup + self["windup"]

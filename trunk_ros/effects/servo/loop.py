@@ -24,8 +24,8 @@ def fresh(angle: Array, speed: Array | float = 0.0) -> Array:
 
 
 def unlimited(columns: int) -> Array:
-    """(3, 1, columns) limits of loops that have none."""
-    return np.repeat([[[np.inf]], [[np.inf]], [[0.0]]], columns, axis=2)
+    """(4, 1, columns) limits of loops that have none."""
+    return np.repeat([[[np.inf]], [[np.inf]], [[0.0]], [[0.0]]], columns, axis=2)
 
 
 @compiled
@@ -65,8 +65,9 @@ def servo_loop(
     may go on beyond ``out`` (n, columns), for delays below 0; ``state`` (6, columns) is angle, speed, where
     the wire stuck, what the load pulled, how far the drive's own setpoint came and what the integral part
     asks for (NaN: the run begins) at row ``skip - 1``. The numbers of the loop (1 or n, columns), ``cogging``
-    (3, likewise), ``limits`` (3, likewise) of how fast the drive moves its own setpoint on, of how fast the
-    speed changes, and the error that the motor's dry friction holds; ``reach`` (columns,). A wire that slides
+    (3, likewise), ``limits`` (4, likewise) of how fast the drive moves its own setpoint on, of how fast the
+    speed changes, the error that the motor's dry friction holds, and how far beyond its top speed the loop
+    sums up; ``reach`` (columns,). A wire that slides
     holds the shaft back by ``rub``, from ``reach`` beyond where it stuck, no less than ``rub``: the loop
     would be stiffer than its gain. A wire that sticks keeps its tension: a ``load`` (rad of the setpoint)
     that changes meanwhile only brings it nearer to sliding. Between two rows the mean of their loads acts. Of
@@ -91,7 +92,7 @@ def servo_loop(
             bears, past = at(load, r, j), at(torque, r, j)
             size, cycles, phase = at(cogging[0], r, j), at(cogging[1], r, j), at(cogging[2], r, j)
             quickest, hardest, dry = at(limits[0], r, j), at(limits[1], r, j), at(limits[2], r, j)
-            firm = at(ki, r, j)
+            firm, winds = at(ki, r, j), at(limits[3], r, j)
             if led != led and quickest < np.inf:
                 led = phi + v / gain  # where a loop that goes at that speed is led
             moved = 0.0
@@ -143,7 +144,7 @@ def servo_loop(
                         own = h * firm * beyond(error - (1.0 - past) * tension - over, zone)
                         used = total + ahead * own
                         asked = gain * beyond(error, zone)
-                        total = summed_up(total, own, asked, least - used, most - used)
+                        total = summed_up(total, own, asked, least - used - winds, most - used + winds)
                     if changes:
                         rest, low, high = error - mean, least - used, most - used
                         v_ref = speed_asked(setpoint, stamp, j, held, t, h, gain, rest, zone, low, high)

@@ -156,7 +156,8 @@ def servo_loops(
                 if sums:
                     for j in range(columns):
                         if ki[j] != 0.0 and i < substeps[j]:
-                            total[j] = summed_up(total[j], own[j], kp[j] * error[j], below[j], above[j])
+                            least, highest = below[j] - limits[3, j], above[j] + limits[3, j]
+                            total[j] = summed_up(total[j], own[j], kp[j] * error[j], least, highest)
                 for j in range(columns):
                     goes_on = i < substeps[j]
                     v_ref = kp[j] * error[j]

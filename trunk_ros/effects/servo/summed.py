@@ -35,6 +35,6 @@ def held_at_first(
 
 @compiled
 def summed_up(total: float, more: float, asked: float, least: float, most: float) -> float:
-    """No further while the loop asks for more than its top speed: it does not wind up."""
+    """No further while the loop asks for more than its top speed, or for more than may wind up beyond it."""
     winds = (asked > most and more > 0.0) or (asked < least and more < 0.0)
     return total if winds else total + more

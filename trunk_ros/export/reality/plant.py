@@ -103,9 +103,10 @@ class Plant:
         arm = self._arm
         kp, tau_v, up, down = self._loop
         servo = self._servo
-        hardest, dry, ki = map(np.ascontiguousarray, (servo.hardest, servo.dry, servo.ki))
+        limits = np.stack([servo.hardest, servo.dry, servo.windup])
         beside, total = servo.beside.reshape(self._shape), self._total
-        follow(wanted, beside, dt, kp, tau_v, up, down, hardest, dry, ki, arm.ahead, gearbox, velocity, total)
+        ki = np.ascontiguousarray(servo.ki)
+        follow(wanted, beside, dt, kp, tau_v, up, down, limits, ki, arm.ahead, gearbox, velocity, total)
         self._time += dt
         theta = self._theta + (gearbox - before) * arm.ratio
         now = Scene(arm, self.model.duration, dt, gearbox, theta, velocity * arm.ratio)
@@ -132,8 +133,7 @@ def follow(
     tau_v: Array,
     up: Array,
     down: Array,
-    hardest: Array,
-    dry: Array,
+    limits: Array,
     ki: Array,
     ahead: float,
     gearbox: Array,
@@ -141,10 +141,10 @@ def follow(
     total: Array,
 ) -> None:
     """Move motor-side angles and velocities (environments, joints) by ``dt`` s under setpoints, in place, by
-    servos with these numbers (joints,), ``up`` and ``down`` being top speeds, ``hardest`` the limits of their
-    accelerations, ``dry`` the errors that friction holds; ``ki``, ``total``, ``ahead`` and ``beside`` as in
-    ``servo_loop``.
+    servos with these numbers (joints,), ``up`` and ``down`` being top speeds; ``limits`` (3, joints), ``ki``,
+    ``total``, ``ahead`` and ``beside`` as in ``servo_loop``.
     """
+    hardest, dry, windup = limits[0], limits[1], limits[2]
     for j in range(setpoints.shape[1]):
         steps = max(int(np.ceil(dt / min(STEP, CLOSE / kp[j]) - 1e-9)), 1)
         h = dt / steps
@@ -160,7 +160,8 @@ def follow(
                     own = h * ki[j] * (error - beside[e, j])
                     used = total[e, j] + ahead * own
                     below, above = -down[j] - used, up[j] - used
-                    total[e, j] = summed_up(total[e, j], own, kp[j] * error, below, above)
+                    least, most = below - windup[j], above + windup[j]
+                    total[e, j] = summed_up(total[e, j], own, kp[j] * error, least, most)
                 wanted = min(max(kp[j] * error, -down[j] - used), up[j] - used) + used
                 after = towards(before, before + smooth * (wanted - before), hardest[j] * h)
                 velocity[e, j] = held_back(after, smooth * kp[j] * dry[j])

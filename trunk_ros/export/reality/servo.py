@@ -53,6 +53,8 @@ class Servo:
         self.short = np.zeros_like(self.dry) if steps_loop else self.dry
         self.ki = np.broadcast_to(np.ravel(core.ki), len(arm.joints))
         """(joints,) 1/s^2, likewise: summed up without ``beside`` (columns,) rad, loads and what is fed."""
+        self.windup = np.broadcast_to(np.ravel(core.windup), len(arm.joints))
+        """(joints,) rad/s, likewise."""
         self.beside: Array = np.zeros(columns)
         limited = core.bounded or bool(np.isfinite(led).any())
         self.passes = not (self.blocks or limited)
