@@ -127,6 +127,7 @@ def test_a_wire_that_only_drags_its_neighbour_along_is_found_and_is_no_noise() -
     [
         ("joint_coupling", "angle", 0.01),
         ("joint_coupling", "behind", 0.01),
+        ("joint_coupling", "motors", 0.1),
         ("posture_ratio", "", 0.03),
         ("wrap_friction", "bent", 3e-3),
     ],

@@ -133,6 +133,12 @@ def test_joints_may_drag_each_other() -> None:
     assert got[:, 2] == pytest.approx(THETA[:, 2] + 0.25 * got[:, 1], abs=1e-7)
 
 
+def test_a_motor_may_turn_another_joint_by_what_its_own_does_not_follow() -> None:
+    gain, source = np.array([0.0, 0.3, 0.0]), ["", "joint_3", ""]
+    got = wire("joint_coupling", dead_band=2e-3, form="motors", gain=gain, source=source)
+    alike(got[:, 1], play(THETA[:, 1:2] + 0.3 * THETA[:, 2:], 2e-3)[:, 0], 1e-7)
+
+
 def test_a_tension_error_scales_the_nominal_dead_band() -> None:
     alike(wire("tension_error", dead_band=2e-3, factor=1.5), play(THETA, 3e-3), 1e-12)
     alike(wire("narrow_band", dead_band=2e-3, less=0.25), play(THETA, 1.5e-3), 1e-12)

@@ -25,9 +25,11 @@ def _gain(k: int) -> Parameter:
 class JointCoupling(Effect):
     """u += gain theta_source, for up to three sources a joint. behind: theta += gain theta_source, behind the
     friction of the joint's own wire, as where its sensor or its last guide lies on the source's link.
+    motors: u += gain s with s = r phi of the source's wire, whatever that loses on its way, as where one
+    motor sits on another's shaft or their gears mesh.
 
-    drag: wires that touch. u += gain s + drag (s - play(s, reach)) with s = r phi of the source's wire: it
-    takes this joint's wire along by friction, as far as ``reach``, and then slides on it.
+    drag: wires that touch. u += gain s + drag (s - play(s, reach)): the source's wire takes this joint's
+    along by friction, as far as ``reach``, and then slides on it.
     """
 
     id = "joint_coupling"
@@ -41,7 +43,7 @@ class JointCoupling(Effect):
         "Ciofu & Stan, fig. 1: wires of distal joints pass through the guides of the proximal ones; "
         "drag: presliding friction between two wires, Dahl (1968) in its play form."
     )
-    forms = ("angle", "behind", "drag")
+    forms = ("angle", "behind", "motors", "drag")
     refined = ("behind",)
     parameters = (
         *(_gain(k) for k in range(1, SOURCES + 1)),
@@ -83,7 +85,11 @@ class JointCoupling(Effect):
 
     @classmethod
     def title(cls, form: str | None = None) -> str:
-        return "Another joint's wire drags this joint's along" if form == "drag" else super().title()
+        titles = {
+            "drag": "Another joint's wire drags this joint's along",
+            "motors": "Another joint's motor turns this joint as well",
+        }
+        return titles.get(form or "") or super().title()
 
     @classmethod
     def own_parameters(cls, form: str) -> tuple[Parameter, ...]:
@@ -119,7 +125,7 @@ class JointCoupling(Effect):
                 gains[now.joints.index(source), column] += gain
             self._gains = now.joints, gains
         if self.form != "drag":
-            return np.asarray(now.angles @ gains), None
+            return np.asarray((now.wires if self.form == "motors" else now.angles) @ gains), None
         dragging = [source or "" for source in self.words.get("source", ("",) * len(now.ratio))]
         moved = np.zeros((len(now.stamp), len(now.ratio)))
         for column, source in enumerate(dragging):
