@@ -232,3 +232,23 @@ def test_a_payload_that_no_joint_gives_way_to_is_carried_on() -> None:
     result = diagnose([of_the_wires(seen)], model=model, experiments=False)
     assert [f.effect for f in result.findings] == ["backlash"]
     assert result.model.effects["load_elasticity"]["payload"] == 0.4
+
+
+def test_another_law_with_the_values_that_the_model_has_is_said() -> None:
+    """A reading that is late by as much as the model's lag keeps its shape: that is no match."""
+    lag = {"time_constant": np.full(3, 0.05)}
+    law = {"viscous_lag": {**lag, "form": "shift"}}
+    result = told({"viscous_lag": {**lag, "form": "first_order"}}, law)
+    (only,) = result.findings
+    assert (only.effect, result.model.effects["viscous_lag"]["form"]) == ("viscous_lag", "shift")
+    assert "the model has the form first_order, the recording shows shift" in only.statement
+    assert told(law, law).verdict == "no_mismatch"
+
+
+def test_what_is_gone_beside_what_is_new_has_no_equivalent_where_both_were_measured() -> None:
+    said = {"gain": on(3, 0.05), "source": ["", "", "joint_2"]}
+    result = told({"joint_coupling": said}, {"posture_ratio": said})
+    gone = next(f for f in result.findings if f.effect == "joint_coupling")
+    assert {f.effect for f in result.findings} == {"joint_coupling", "posture_ratio"}
+    assert gone.equivalents == []
+    assert "of joint_2 the model has 0.05, the recording shows none" in gone.statement

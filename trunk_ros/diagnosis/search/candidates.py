@@ -201,3 +201,8 @@ def given(kind: type[Effect], context: Context) -> dict[str, Array]:
     """Parameter values that the arm's own description states, so that a fit need not free them."""
     stated = {p.name: getattr(context.arm, p.stated) for p in kind.parameters if p.stated}
     return {name: values for name, values in stated.items() if len(values)}
+
+
+def another_law(known: Term, now: Term) -> bool:
+    """Whether an effect goes by another form than it did, and not only by values of each joint's own."""
+    return known.form != now.form and effect(now.effect).apart not in (known.form, now.form)

@@ -12,6 +12,7 @@ import numpy as np
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.disturbances.thrown import rests, room, throws
 from trunk_ros.diagnosis.hypothesis import Free, Hypothesis, Term
+from trunk_ros.diagnosis.search.candidates import another_law
 from trunk_ros.diagnosis.search.credible import unshown
 from trunk_ros.diagnosis.search.fit import Fit
 from trunk_ros.diagnosis.search.formed import FORMULAS, off_by
@@ -157,8 +158,8 @@ def _besides(term: Term, known: Term) -> Term:
 
 
 def price_of_change(fit: Fit, name: str) -> float:
-    """Of what is said to differ from the model in an effect that it has, by values: of the name once, of each
-    joint, and of each value that joints share; of what another form has besides, as of further values.
+    """Of what is said to differ from the model in an effect that it has: of the name once, of each joint, of
+    each value that joints share, of another law, and of what that has besides as of further values.
     """
     columns, known, now = fit.context.columns, fit.context.known[name], fit.hypothesis[name]
     more, moments = _besides(now, known), {m.name for m in effect(name).moments()}
@@ -167,10 +168,9 @@ def price_of_change(fit: Fit, name: str) -> float:
         for c, own in now.own.items()
     }
     own = [c for c in known.own.keys() | kept.keys() if known.own.get(c, {}) != kept.get(c, {})]
-    shared = {n for n, _ in known.shared.items() ^ now.shared.items()}
-    here = [c for c in own if c in columns]
+    shared, here = known.shared.items() ^ now.shared.items(), [c for c in own if c in columns]
     price = FURTHER * sum(len(own.keys() - moments) for own in more.own.values()) + needed(fit, here)
-    if elsewhere := len(own) - len(here) + len(shared):
+    if elsewhere := len(own) - len(here) + len({n for n, _ in shared}) + another_law(known, now):
         price += elsewhere * float(np.median([needed(fit, [c]) for c in columns]))
     return price + (naming(effect(name).stage) if price else 0.0)
 

@@ -13,6 +13,7 @@ from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.evidence.evidence import SUREST
 from trunk_ros.diagnosis.evidence.spreads import Spreads
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
+from trunk_ros.diagnosis.search.candidates import another_law
 from trunk_ros.diagnosis.verdict.finding import Finding, evidence_of
 from trunk_ros.diagnosis.verdict.findings import ARM, VARIES_WITH, unchanged, value_of
 from trunk_ros.effects import Effect, confused, effect
@@ -86,13 +87,16 @@ def changes(
     """
     named = {n: t for n, t in context.known.items() if effect(n).named and not issubclass(effect(n), Bank)}
     new = [f for f in every if f.effect not in named]
-    there = dict(hypothesis)
+    there, parts = dict(hypothesis), {effect(n).includes.get(t.form) for n, t in hypothesis.items()}
     for name, term in named.items():
         found = next((f for f in every if f.effect == name), None)
         now, spreads = _carried_on(term, there, std)
-        changed = _changed(context, term, now, found, spreads, who)
+        told_besides = name in parts or (now is not None and now.form in effect(name).includes)
+        law = now is not None and not told_besides and another_law(term, now)
+        changed = _changed(context, term, now, found, spreads, who, law)
         if changed is not None:
-            new.append(_beside(changed, [f for f in new if f.effect not in named]))
+            beside = [f for f in new if f.effect not in named]
+            new.append(changed if name in hypothesis and _measured(changed) else _beside(changed, beside))
     return new
 
 
@@ -114,8 +118,9 @@ def _carried_on(known: Term, there: dict[str, Term], std: Spreads) -> tuple[Term
 
 
 def _changed(
-    context: Context, known: Term, now: Term | None, found: Finding | None, std: Spreads, who: str
+    context: Context, known: Term, now: Term | None, found: Finding | None, std: Spreads, who: str, law: bool
 ) -> Finding | None:
+    """``law``: whether it goes by another form."""
     kind = effect(known.effect)
     if found is not None and now is not None and _size(known) != _size(now):
         return found  # forms whose sizes have nothing to do with each other
@@ -126,7 +131,7 @@ def _changed(
     owners = [(ARM, None), *((context.joints[c], c) for c in context.columns)]
     every = {owner: list(_values(context, known, now, column, std)) for owner, column in owners}
     each = {owner: _differing(values) for owner, values in every.items()}
-    together = found is not None and not any(each.values())
+    together = found is not None and not law and not any(each.values())
     if together:
         each = _farthest(every)
     for owner, values in every.items():
@@ -138,8 +143,11 @@ def _changed(
             told[value.parameter.name] = _entry(value, who)
         parameters[owner], gone = told, gone and none
         said.append(f"{owner}: {', '.join(value.told(who) for value in differ)}")
-    if not parameters:
+    if not parameters and (found is None or not law):
         return None
+    if law and found is not None and now is not None and not (parameters and gone):
+        said.insert(0, f"{who} has the form {known.form}, the recording shows {now.form}")
+        parameters, gone = parameters or found.parameters, False
     joints = [joint for joint in context.joints if joint in parameters]
     joints = joints or (found.joints if found else [context.joints[c] for c in context.columns])
     what = kind.title((now or known).form)
@@ -252,6 +260,12 @@ def _gone(known: Term) -> Finding:
     evidence = evidence_of(signature=kind.signature, form=known.form)
     varies = list(VARIES_WITH[kind.regime])
     return Finding(kind.id, kind.stage, [], kind.regime, SUREST, [], {}, varies, "", evidence)
+
+
+def _measured(changed: Finding) -> bool:
+    """Whether the spread of each value that is not the model's is known, beside all that was found."""
+    values = [value for each in changed.parameters.values() for value in each.values()]
+    return all(value["std"] is not None for value in values)
 
 
 def _beside(changed: Finding, new: Sequence[Finding]) -> Finding:
