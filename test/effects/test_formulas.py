@@ -258,6 +258,12 @@ def test_a_wire_that_creeps_under_weight_goes_by_the_slow_load() -> None:
     alike(got, THETA + 0.05 * low, 2e-5)
 
 
+def test_what_flows_under_weight_goes_by_the_sum_of_the_load() -> None:
+    got = wire("viscoelastic_creep", flow=0.05, form="flow")
+    load = finely(ARM.load(got))
+    alike(got, THETA + 0.05 * euler(lambda _, row: load[row], np.zeros(3)), 2e-5)
+
+
 def test_a_link_swings_as_a_damped_oscillator() -> None:
     omega = 2 * np.pi * 3.0
 

@@ -23,8 +23,8 @@ UPSTREAM = Parameter(
 
 
 class OnBothSides(Effect):
-    """What stretches by a ``compliance``. What lies before the friction moves the joint only where that
-    slides: a load that changes within the dead band shows nothing of it.
+    """What stretches by a ``compliance``, or without end by a ``flow``. What lies before the friction moves
+    the joint only where that slides: a load that changes within the dead band shows nothing of it.
     """
 
     @classmethod
@@ -54,4 +54,5 @@ class OnBothSides(Effect):
         return self._share(before), None if np.all(before == 1.0) else self._share(1.0 - before)
 
     def _share(self, share: Array) -> Self:
-        return type(self)({**self.values, "compliance": share * self["compliance"]}, self.words, self.form)
+        sizes = {name: share * self[name] for name in ("compliance", "flow") if name in self.values}
+        return type(self)({**self.values, **sizes}, self.words, self.form)

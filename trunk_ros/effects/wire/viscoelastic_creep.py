@@ -22,10 +22,11 @@ class ViscoelasticCreep(OnBothSides):
     """theta = p - gain lowpass(p), one or two time constants, or (spectrum) six with equal shares, evenly
     in the logarithm between two, or (power_law) nine from 0.4 s to longer than anybody records, whose shares
     go with a power of the time constant; load: theta = p + compliance lowpass(tau), of a wire that goes on
-    giving way under weight, before the friction, behind it, or in part on either side; upstream: the wire
-    creeps before the friction, under the friction as well, theta = play(u - lowpass(q gain theta + rubbing
-    z)) with the stretch z that bears the friction, where the play is q = rubbing/(rubbing + gain) of what it
-    would be: the spring by whose pull the wire creeps takes its part of the friction.
+    giving way under weight, before the friction, behind it, or in part on either side; flow: likewise of
+    what gives way without end, theta = p + flow integral of tau dt; upstream: the wire creeps before the
+    friction, under the friction as well, theta = play(u - lowpass(q gain theta + rubbing z)) with the
+    stretch z that bears the friction, where the play is q = rubbing/(rubbing + gain) of what it would be: the
+    spring by whose pull the wire creeps takes its part of the friction.
     """
 
     id = "viscoelastic_creep"
@@ -37,9 +38,10 @@ class ViscoelasticCreep(OnBothSides):
     source = (
         "Standard linear solid (Zener), one or two Maxwell branches: Palli et al. (2012), Mechatronics "
         "22(6). spectrum: Neubert (1963), Aeronaut. Q. 14(2); Fung (1972), for tendons. power_law: Findley "
-        "(1944), ASTM Proc. 44, of plastics. upstream: the solid in series with dry friction."
+        "(1944), ASTM Proc. 44, of plastics. upstream: the solid in series with dry friction. flow: the "
+        "dashpot in series of Maxwell's fluid: oil past a piston, a belt that creeps over its wheel."
     )
-    forms = ("one_mode", "two_modes", "spectrum", "power_law", "upstream", "load")
+    forms = ("one_mode", "two_modes", "spectrum", "power_law", "upstream", "load", "flow")
     refined = ("two_modes", "spectrum", "power_law")
     parameters = (
         Parameter("gain", "1", (-0.45, 0.45), "share of the position that creeps back", typical=0.01),
@@ -88,6 +90,7 @@ class ViscoelasticCreep(OnBothSides):
             null=0.0,
             shared=True,
         ),
+        Parameter("flow", "rad/(N*m*s)", (0.0, 10.0), "how fast it gives way, per moment", typical=1e-3),
     )
     confused_with = (
         ("thermal_drift", "hold at zero and far from it: creep follows the deflection"),
@@ -96,7 +99,7 @@ class ViscoelasticCreep(OnBothSides):
 
     @classmethod
     def bears(cls, form: str) -> bool:
-        return form == "load"
+        return form in ("load", "flow")
 
     @property
     def acts_at(self) -> int:
@@ -143,6 +146,11 @@ class ViscoelasticCreep(OnBothSides):
         and what lies behind it remember the same.
         """
         load = np.ascontiguousarray(np.broadcast_to(now.load, shape))
+        if self.form == "flow":
+            before, so_far = (load[0], np.zeros(shape[1])) if state is None else state
+            mean = (load + np.concatenate([before[None], load[:-1]])) / 2.0
+            flown = so_far + np.cumsum(mean * now.dt[:, None], axis=0)
+            return self["flow"] * flown, np.stack([load[-1], flown[-1]])
         state, low = np.tile(load[0], (2, 1)) if state is None else state.copy(), np.empty_like(load)
         lowpass(load, now.dt, self["time_constant"], state, low)
         return self["compliance"] * low, state
@@ -177,20 +185,20 @@ class ViscoelasticCreep(OnBothSides):
     def credible(self, now: Now, beside: bool = False) -> bool:
         """Slower than a lag, and not so slow that it is no more than another ratio."""
         _, constants = self._modes()
-        return self.form == "power_law" or bool(
+        return self.form in ("power_law", "flow") or bool(
             np.all((constants > 0.4) & (constants < 2.0 * (now.stamp[-1] - now.stamp[0])))
         )
 
     @classmethod
     def forms_shown(cls, motion: Motion) -> tuple[str, ...]:
         """What goes with the load, of a joint that bears one that is known."""
-        return tuple(f for f in super().forms_shown(motion) if motion.bears or f != "load")
+        return tuple(f for f in super().forms_shown(motion) if motion.bears or not cls.bears(f))
 
     @classmethod
     def own_parameters(cls, form: str) -> tuple[Parameter, ...]:
-        gain, constant, share, constant_2, rubbing, compliance, upstream, exponent = cls.parameters
-        if form == "load":
-            return compliance, constant, upstream
+        gain, constant, share, constant_2, rubbing, compliance, upstream, exponent, flow = cls.parameters
+        if cls.bears(form):
+            return (flow, upstream) if form == "flow" else (compliance, constant, upstream)
         if form == "power_law":
             return gain, exponent
         further = {"two_modes": (share, constant_2), "spectrum": (constant_2,), "upstream": (rubbing,)}
