@@ -10,22 +10,26 @@ import pytest
 
 from test.diagnosis import arms
 from test.diagnosis.arms import SHORT, diagnose, of_the_servos, of_the_wires, recorded
+from test.effects.example import arm_of
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.search.credible import ends_within
 from trunk_ros.diagnosis.search.windows import Prices, Reach, Sums, Window, best_course
 from trunk_ros.diagnosis.verdict.result import Diagnosis
 from trunk_ros.effects import Effect, effect
 from trunk_ros.effects.effect import Now
+from trunk_ros.model import Model
 
 ALL = np.ones(3)
+PAIR = Model(arm_of(2))
+"""For claims on servos: each joint costs as much again."""
 SECONDS = 24.0
 on = partial(arms.on, joints=3)
 
 
 def diagnosed(effects: dict[str, dict[str, Any]], seconds: float = SECONDS) -> Diagnosis:
     (stage,) = {effect(name).stage for name in effects}
-    of_one = of_the_wires if stage == "wire" else of_the_servos
-    return diagnose([of_one(recorded(effects, seconds, nominal=SHORT))], model=SHORT)
+    of_one, model = (of_the_wires, SHORT) if stage == "wire" else (of_the_servos, PAIR)
+    return diagnose([of_one(recorded(effects, seconds, nominal=model))], model=model)
 
 
 def test_a_screw_that_comes_loose_has_a_moment() -> None:
@@ -60,10 +64,10 @@ def test_a_wire_that_gives_way_more_and_more_grows() -> None:
     ("name", "values", "moment"),
     [
         ("servo_bandwidth", {"relative": -0.3}, "from"),
-        ("servo_bandwidth", {"relative": on(2, -0.3), "form": "apart"}, "until"),
+        ("servo_bandwidth", {"relative": arms.on(2, -0.3, joints=2), "form": "apart"}, "until"),
         ("servo_delay", {"delay": 0.03}, "until"),
         ("load_droop", {"gain": 0.02, "form": "weight"}, "from"),
-        ("cogging", {"amplitude": 2e-3, "cycles_per_rev": 24.0, "phase": 0.5 * ALL}, "until"),
+        ("cogging", {"amplitude": 2e-3, "cycles_per_rev": 24.0, "phase": np.full(2, 0.5)}, "until"),
         ("sensor_delay", {"delay": 0.03}, "from"),
     ],
 )
@@ -73,9 +77,8 @@ def test_what_becomes_of_servos_and_sensors_in_mid_run_has_a_moment(
     said = diagnosed({name: {**values, moment: 12.0}})
     (finding,), (event,) = said.findings, said.events
     assert (finding.effect, said.verdict) == (name, "explained")
-    assert finding.joints == (
-        ["joint_2"] if values.get("form") == "apart" else [f"joint_{k}" for k in range(1, 4)]
-    )
+    everywhere = SHORT if finding.stage == "wire" else PAIR
+    assert finding.joints == (["joint_2"] if values.get("form") == "apart" else [*everywhere.arm.joints])
     assert {"from": event.begin, "until": event.until}[moment] == pytest.approx(12.0, abs=0.05)
 
 

@@ -11,7 +11,8 @@ import numpy as np
 import pytest
 
 from test.diagnosis import arms
-from test.diagnosis.arms import SHORT, of_the_servos, of_the_wires
+from test.diagnosis.arms import SHORT, TRUNK, of_the_servos, of_the_wires
+from trunk_ros.model import Model
 from trunk_ros.recording.recording import Recording
 from trunk_ros.simulate import simulate
 
@@ -44,26 +45,31 @@ def test_a_payload_that_the_wires_show_bears_on_the_servo_as_well() -> None:
 
 
 @pytest.mark.parametrize(
-    ("effects", "seen"),
+    ("effects", "nominal", "seen"),
     [
-        ({"servo_delay": {"delay": 0.007}, "servo_bandwidth": {"relative": 0.1}}, of_the_servos),
+        ({"servo_delay": {"delay": 0.007}, "servo_bandwidth": {"relative": 0.1}}, SHORT, of_the_servos),
         (
             {
                 "tension_error": {"factor": 1.7},
                 "backlash": {"half_width": arms.on(1, 4e-4) + arms.on(4, 6e-4)},
             },
+            TRUNK,
             of_the_wires,
         ),
-        ({"sensor_delay": {"delay": 0.004}, "backlash": {"half_width": np.full(5, 4e-4)}}, of_the_wires),
+        (
+            {"sensor_delay": {"delay": 0.004}, "backlash": {"half_width": np.full(5, 4e-4)}},
+            TRUNK,
+            of_the_wires,
+        ),
     ],
     ids=["servo_delay+servo_bandwidth", "tension_error+backlash", "sensor_delay+backlash"],
 )
 def test_effects_that_hide_each_other_are_both_named(
-    effects: dict[str, dict[str, Any]], seen: Callable[[Recording], Recording]
+    effects: dict[str, dict[str, Any]], nominal: Model, seen: Callable[[Recording], Recording]
 ) -> None:
     """A later and a faster servo all but cancel; a tension and dead bands widen the same loops; a dead band
     that is narrower in fast motion takes a part of a delay."""
-    result = arms.diagnose([seen(arms.recorded(effects, 25.0))])
+    result = diagnose([seen(recorded(effects, 25.0, nominal=nominal))], model=nominal)
     assert {f.effect for f in result.findings} == set(effects)
     assert result.verdict == "explained"
 

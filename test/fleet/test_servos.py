@@ -25,7 +25,7 @@ pytestmark = pytest.mark.timeout(600)
 def test_a_servo_that_gets_slower_is_followed_from_what_it_was(tmp_path):
     for k, gain in enumerate((12.0, 12.0, 12.0, 10.8, 9.6)):
         servos = OWN | {"kp": (gain, *OWN["kp"][1:])}
-        recording = of_joints(recorded_servos(servos, seed=k, seconds=12.0), "shoulder", "elbow")
+        recording = of_joints(recorded_servos(servos, seed=k, seconds=8.0), "shoulder", "elbow")
         write_recording(
             tmp_path / "arm" / f"day_{k}", replace(recording, start_ns=int((k + 1) * DAY) * 10**9)
         )
