@@ -57,8 +57,8 @@ def commands(page: str) -> list[list[str]]:
 
 
 def run(arm: Model, seed: int, ideal: bool = False) -> Recording:
-    """12 s of an arm with backlash on its elbow, or of the arm as it should be."""
-    t = np.arange(0.0, 12.0, 0.01)
+    """8 s of an arm with backlash on its elbow, or of the arm as it should be."""
+    t = np.arange(0.0, 8.0, 0.01)
     rng = np.random.default_rng(seed)
     rates, phases = rng.uniform(0.1, 0.6, (3, 3)), rng.uniform(0.0, 6.0, (3, 3))
     motor = 0.3 * np.sin(2.0 * np.pi * t[:, None, None] * rates + phases).sum(axis=1)

@@ -25,7 +25,7 @@ from trunk_ros.recording.write import write_recording  # noqa: E402
 pytestmark = pytest.mark.timeout(600)
 
 
-def written(folder, effects, seed, day=0, seconds=15.0):
+def written(folder, effects, seed, day=0, seconds=10.0):
     recording = of_the_wires(recorded(effects, seconds=seconds, seed=seed, nominal=SHORT))
     write_recording(folder, replace(recording, start_ns=recording.start_ns + int(day * DAY) * 10**9))
     return folder
