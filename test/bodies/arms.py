@@ -28,7 +28,7 @@ OFFSET = np.array([0.2, -0.1, 0.05])  # N m that the torque sensors are off
 ARMATURE = np.array([0.15, 0.2, 0.06])
 RATIO = np.array([0.5, -0.25, 1.0])
 HIDDEN_MASS, HIDDEN_CENTRE = 1.1, (0.02, -0.015, 0.14)
-RATE, STEP = 200.0, 2.5e-4
+RATE, STEP = 200.0, 5e-4
 
 
 def urdf(flat: bool = False) -> str:

@@ -24,6 +24,8 @@ NOISE = 1e-4
 TRUNK = load_model("trunk")
 SHORT = Model(arm_of(3))
 """An arm like it with three joints, for claims on any arm: it takes half the time."""
+PAIR = Model(arm_of(2))
+"""For claims on servos: each joint costs as much again."""
 
 
 def setpoints_of(seconds: float, joints: int, seed: int = 0, rate: float = RATE) -> np.ndarray:

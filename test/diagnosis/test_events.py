@@ -9,19 +9,15 @@ import numpy as np
 import pytest
 
 from test.diagnosis import arms
-from test.diagnosis.arms import SHORT, diagnose, of_the_servos, of_the_wires, recorded
-from test.effects.example import arm_of
+from test.diagnosis.arms import PAIR, SHORT, diagnose, of_the_servos, of_the_wires, recorded
 from trunk_ros.compiled import Array
 from trunk_ros.diagnosis.search.credible import ends_within
 from trunk_ros.diagnosis.search.windows import Prices, Reach, Sums, Window, best_course
 from trunk_ros.diagnosis.verdict.result import Diagnosis
 from trunk_ros.effects import Effect, effect
 from trunk_ros.effects.effect import Now
-from trunk_ros.model import Model
 
 ALL = np.ones(3)
-PAIR = Model(arm_of(2))
-"""For claims on servos: each joint costs as much again."""
 SECONDS = 24.0
 on = partial(arms.on, joints=3)
 

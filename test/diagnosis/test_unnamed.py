@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from test.diagnosis.arms import SHORT, TRUNK, diagnose, of_the_servos, of_the_wires, recorded, reshaped
+from test.diagnosis.arms import PAIR, SHORT, diagnose, of_the_servos, of_the_wires, recorded, reshaped
 from trunk_ros.compiled import Array
 from trunk_ros.data.spectrum import repeats_in, spectrum
 from trunk_ros.diagnosis import Diagnosis
@@ -28,15 +28,15 @@ from trunk_ros.model import Model, load_model, save_model
 NOISE = np.random.default_rng(5)
 
 
-def with_added(column: int, of: Any, nominal: Model = SHORT) -> Diagnosis:
+def with_added(column: int, of: Any) -> Diagnosis:
     """The diagnosis of a good arm to one of whose joints something (stamp, speeds) -> (n,) is added."""
-    recording = of_the_wires(recorded(nominal=nominal))
+    recording = of_the_wires(recorded(nominal=SHORT))
     joints = recording.series["joint_states"]
     speeds = np.gradient(joints.position, joints.stamp, axis=0)
     smooth = np.apply_along_axis(lambda v: np.convolve(v, np.ones(15) / 15, "same"), 0, speeds)
     position = joints.position.copy()
     position[:, column] += of(joints.stamp, smooth)
-    return diagnose([reshaped(recording, "joint_states", position=position)], nominal)
+    return diagnose([reshaped(recording, "joint_states", position=position)], SHORT)
 
 
 def left(result: Diagnosis, joint: str) -> float:
@@ -101,7 +101,7 @@ def test_what_shakes_the_arm_is_told_with_its_frequency_and_drawn_over_its_perio
 
 def test_a_zero_that_jumps_to_and_fro_is_told_with_its_moments() -> None:
     moments = (4.0, 8.0, 13.0, 17.5)
-    result = with_added(2, lambda t, _: 1e-3 * (np.searchsorted(moments, t) % 2), TRUNK)
+    result = with_added(2, lambda t, _: 1e-3 * (np.searchsorted(moments, t) % 2))
     (found,) = result.findings
     assert (found.effect, found.joints, found.depends_on) == ("unknown", ["joint_3"], ["time"])
     assert "jumps 4 times" in found.statement
@@ -111,11 +111,11 @@ def test_a_zero_that_jumps_to_and_fro_is_told_with_its_moments() -> None:
 
 
 def test_errors_that_a_servo_does_not_answer_to_have_no_other_name() -> None:
-    zone = {p.name: np.full(3, 3e-3) for p in VALUES}
-    ends = {"on": ["position"] * 3, "low": np.full(3, -1.0), "high": np.full(3, 1.0)}
-    result = diagnose([of_the_servos(recorded({"unknown_dead_zone": ends | zone}, nominal=SHORT))], SHORT)
+    zone = {p.name: np.full(2, 3e-3) for p in VALUES}
+    ends = {"on": ["position"] * 2, "low": np.full(2, -1.0), "high": np.full(2, 1.0)}
+    result = diagnose([of_the_servos(recorded({"unknown_dead_zone": ends | zone}, nominal=PAIR))], PAIR)
     assert {(f.effect, f.stage) for f in result.findings} == {("unknown", "servo")}
-    assert {joint for f in result.findings for joint in f.joints} == set(SHORT.arm.joints)
+    assert {joint for f in result.findings for joint in f.joints} == set(PAIR.arm.joints)
     seen = result.model.effects["unknown_dead_zone"]
     middle = np.array([seen[p.name] for p in VALUES[8:16]])
     assert np.median(middle) == pytest.approx(3e-3, rel=0.1)
