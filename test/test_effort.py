@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
-from test.diagnosis.arms import diagnose, of_the_wires, on, recorded, reshaped
+from test.diagnosis import arms
+from test.diagnosis.arms import SHORT, TRUNK, diagnose, of_the_wires, reshaped
 from trunk_ros.arm import Arm
 from trunk_ros.commands.simulate import main
 from trunk_ros.compiled import Array
@@ -23,10 +25,11 @@ from trunk_ros.recording.recording import JointSeries, Recording
 from trunk_ros.recording.write import write_recording
 from trunk_ros.simulate import simulate
 
-NOMINAL = load_model("trunk")
-FRICTION = np.array([0.01, 0.008, 0.012, 0.005, 0.015])  # N m at the shaft
+NOMINAL = SHORT
+recorded = partial(arms.recorded, nominal=SHORT)
+FRICTION = np.array([0.01, 0.008, 0.015])  # N m at the shaft
 SECONDS = 20.0
-SAG = {"load_elasticity": {"compliance": np.full(5, 0.04)}}
+SAG = {"load_elasticity": {"compliance": np.full(3, 0.04)}}
 
 
 def taken_from(load: str, effects: dict[str, Any] | None = None) -> Model:
@@ -43,7 +46,7 @@ def with_torque(recording: Recording, load: Array, noise: float = 2e-4) -> Recor
     """Effort as the topic's users expect it: against the load, plus friction in the direction of motion."""
     gearbox = recording.series["gearbox_states"]
     assert gearbox.velocity is not None
-    torque = -0.625 * load + FRICTION * np.sign(gearbox.velocity)
+    torque = -0.625 * load + np.resize(FRICTION, load.shape[1]) * np.sign(gearbox.velocity)
     rough = noise * np.random.default_rng(7).normal(size=load.shape)
     return reshaped(recording, "gearbox_states", effort=torque + rough)
 
@@ -62,20 +65,20 @@ def test_friction_comes_off_and_the_weight_is_left(plain: Recording) -> None:
 
 
 def test_a_shaft_that_stands_carries_what_its_posture_asks_for() -> None:
-    """Joint 5 rests for 15 s, its friction may hold anything; the others move its load on."""
+    """Joint 3 rests for 15 s, its friction may hold anything; the others move its load on."""
     made = recorded(SAG, seconds=60.0)
     gearbox = made.series["gearbox_states"]
     phi, stamp = gearbox.position.copy(), gearbox.stamp
     rests = (stamp > 20.0) & (stamp < 35.0)
-    phi[:, 4] = np.interp(stamp - np.clip(stamp - 20.0, 0.0, 15.0), stamp, phi[:, 4])
+    phi[:, 2] = np.interp(stamp - np.clip(stamp - 20.0, 0.0, 15.0), stamp, phi[:, 2])
     made = reshaped(made, "gearbox_states", position=phi, velocity=np.gradient(phi, stamp, axis=0))
     held = with_torque(made, weight(made))
     torque = held.series["gearbox_states"].effort
     assert torque is not None
-    torque[rests, 4] += 0.012
+    torque[rests, 2] += 0.012
     got = measured_load(held.series["gearbox_states"], NOMINAL.arm.ratio)
-    assert not got.moving[rests, 4].any()
-    assert np.abs(got.moment - weight(made))[rests, 4].max() < 1e-3
+    assert not got.moving[rests, 2].any()
+    assert np.abs(got.moment - weight(made))[rests, 2].max() < 1e-3
 
 
 def test_a_joint_that_goes_one_way_only_keeps_its_computed_weight(plain: Recording) -> None:
@@ -156,13 +159,13 @@ def test_torque_tells_of_a_payload() -> None:
 
 
 def test_torque_tells_of_a_wrong_mass_that_is_no_payload(plain: Recording) -> None:
-    other = replace(NOMINAL.arm, link_mass=NOMINAL.arm.link_mass * [1.0, 4.0, 1.0, 1.0, 1.0])
+    other = replace(NOMINAL.arm, link_mass=NOMINAL.arm.link_mass * [1.0, 4.0, 1.0])
     (said,) = torque_remarks(with_torque(plain, weight(plain, other)), NOMINAL)
     assert "check masses" in said
 
 
 def test_torque_is_compared_by_the_ratio_that_was_found(plain: Recording) -> None:
-    made, ideal = with_torque(plain, weight(plain)), Model(replace(NOMINAL.arm, ratio=np.ones(5)))
+    made, ideal = with_torque(plain, weight(plain)), Model(replace(NOMINAL.arm, ratio=np.ones(3)))
     assert "differ by" in torque_remarks(made, ideal)[0]
     assert torque_remarks(made, ideal, replace(ideal, effects={"ratio_error": {"relative": -0.375}})) == []
     motors = replace(made, series={"gearbox_states": made.series["gearbox_states"]})
@@ -175,10 +178,10 @@ def test_torque_is_not_compared_with_a_weight_where_there_is_no_gravity(plain: R
 
 
 def test_torque_tells_of_a_joint_that_was_to_bear_nothing(plain: Recording) -> None:
-    light = Model(replace(NOMINAL.arm, link_mass=NOMINAL.arm.link_mass * [1.0, 1.0, 1.0, 1.0, 0.0]))
-    pull = on(5, 0.5) * np.sin(plain.series["gearbox_states"].position)
+    light = Model(replace(NOMINAL.arm, link_mass=NOMINAL.arm.link_mass * [1.0, 1.0, 0.0]))
+    pull = arms.on(3, 0.5, joints=3) * np.sin(plain.series["gearbox_states"].position)
     (said,) = torque_remarks(with_torque(plain, weight(plain) + pull), light)
-    assert "joint_5 most, where none was computed" in said
+    assert "joint_3 most, where none was computed" in said
 
 
 def test_the_command_simulates_with_effort_from_a_bag(tmp_path: Path) -> None:
@@ -215,10 +218,10 @@ def test_with_effort_the_stretch_is_named_on_an_arm_whose_masses_nobody_knows() 
 
 @pytest.mark.timeout(240)
 def test_with_effort_a_compliance_that_changes_with_the_angle_is_told() -> None:
-    made = recorded(
-        {"load_elasticity": {**SAG["load_elasticity"], "form": "lever", "slope": np.full(5, 0.8)}}, SECONDS
-    )
-    (found,) = diagnose([of_the_wires(with_torque(made, weight(made)))], taken_from("effort")).findings
+    lever = {"compliance": np.full(5, 0.04), "form": "lever", "slope": np.full(5, 0.8)}
+    made = arms.recorded({"load_elasticity": lever}, SECONDS)
+    five = Model(replace(TRUNK.arm, load_from="effort"))
+    (found,) = diagnose([of_the_wires(with_torque(made, weight(made, TRUNK.arm)))], five).findings
     assert (found.effect, found.evidence["form"]) == ("load_elasticity", "lever")
     assert found.parameters["joint_1"]["slope"]["value"] == pytest.approx(0.8, rel=0.15)
     assert found.parameters["joint_1"]["compliance"]["value"] == pytest.approx(0.04, rel=0.05)
@@ -274,7 +277,7 @@ def cells_of(recording: Recording, told: Array) -> Recording:
 
 
 def test_one_load_cell_leaves_the_weight_on_the_other_joints(plain: Recording) -> None:
-    told = np.where(np.arange(5) == 2, weight(plain), np.nan)
+    told = np.where(np.arange(3) == 2, weight(plain), np.nan)
     made = cells_of(plain, told)
     known = wire_span(made, taken_from("effort")).resistance
     assert known is not None
