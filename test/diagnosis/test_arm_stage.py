@@ -123,7 +123,7 @@ def test_without_orientations_the_place_of_the_tip_is_enough(orientation: list[f
 @pytest.mark.parametrize("memory", [0.0, 0.9])
 def test_true_values_lie_within_three_stated_spreads(memory: float) -> None:
     off = []
-    for seed in range(20):
+    for seed in range(12):
         _, done = fitted(bent(TILT | LONGER, Seen(memory=memory), seed))
         off += [(done.values[key] - true) / done.std[key] for key, true in TRUTH.items()]
     assert np.mean(np.abs(off) < 3.0) >= 0.9

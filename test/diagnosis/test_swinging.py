@@ -10,7 +10,7 @@ from scipy.signal import TransferFunction, lsim
 
 from test.concealed.bag import write_bag
 from test.concealed.mujoco_case import draw_mujoco_case
-from test.diagnosis.arms import diagnose
+from test.diagnosis.arms import diagnose, of_the_wires
 from trunk_ros.compiled import Array
 from trunk_ros.model import Model, load_model
 from trunk_ros.recording.read import read_recording
@@ -30,7 +30,7 @@ def test_a_link_that_swings_is_told_by_the_masses_that_shake_it(seed: int, tmp_p
     case = draw_mujoco_case(seed, "link_resonance")
     for run, name in ((case.train, "train"), (case.test, "test")):
         write_bag(run, tmp_path / name, seed)
-    result = diagnose([tmp_path / "train"])
+    result = diagnose([of_the_wires(read_recording(tmp_path / "train"))])
 
     (hidden,), (found,) = case.truth, result.findings
     (joint,) = hidden["joints"]
