@@ -13,7 +13,6 @@ import pytest
 
 from test.diagnosis import arms
 from test.diagnosis.arms import NOISE, SHORT, of_the_wires, reshaped
-from trunk_ros import diagnosis
 from trunk_ros.arm import Arm
 from trunk_ros.chain import Chain
 from trunk_ros.diagnosis.verdict.result import Diagnosis
@@ -29,7 +28,7 @@ diagnose = partial(arms.diagnose, model=SHORT)
 @pytest.fixture(scope="module")
 def loose() -> Diagnosis:
     """An arm whose second joint has more play than it should."""
-    return diagnosis.diagnose([recorded({"backlash": {"half_width": on(2, 8e-4)}})], SHORT)
+    return diagnose([recorded({"backlash": {"half_width": on(2, 8e-4)}})])
 
 
 def test_an_arm_with_nothing_missing_has_no_finding() -> None:
@@ -226,11 +225,11 @@ def test_a_bump_that_no_name_fits_is_unknown_and_its_curve_still_predicts() -> N
 def test_a_joint_that_hardly_moves_is_said_to_be_silent() -> None:
     recording = recorded()
     still = {}
-    for key in ("setpoints", "gearbox_states", "joint_states"):
+    for key in ("gearbox_states", "joint_states"):
         position = recording.series[key].position.copy()
         position[:, 2] = position[0, 2]
         still[key] = replace(recording.series[key], position=position)
-    result = diagnose([replace(recording, series={**recording.series, **still})])
+    result = diagnose([of_the_wires(replace(recording, series={**recording.series, **still}))])
     assert result.stages["wire"]["silent"] == ["joint_3"]
     assert all("joint_3" not in f.joints for f in result.findings if f.stage == "wire")
 
