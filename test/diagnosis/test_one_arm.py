@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 import pytest
 
-from test.diagnosis.arms import diagnose, on, recorded, reshaped
+from test.diagnosis import arms
+from test.diagnosis.arms import SHORT, reshaped
 from trunk_ros.data.align import wire_span
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.evidence.one_arm import _agree, _lasting, contradiction
@@ -14,15 +17,16 @@ from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
 from trunk_ros.diagnosis.search.fit import refit
 from trunk_ros.diagnosis.stages.wire import WireStage
 from trunk_ros.errors import RecordingError
-from trunk_ros.model import load_model
 from trunk_ros.recording.recording import Recording
 
+on = partial(arms.on, joints=3)
+recorded = partial(arms.recorded, nominal=SHORT)
+diagnose = partial(arms.diagnose, model=SHORT)
 BACKLASH = {"backlash": {"half_width": on(2, 8e-4)}}
-TRUNK = load_model("trunk")
 
 
 def context(*recordings: Recording) -> Context:
-    return first_look(WireStage([wire_span(recording, TRUNK) for recording in recordings], TRUNK))
+    return first_look(WireStage([wire_span(recording, SHORT) for recording in recordings], SHORT))
 
 
 def made(effects: dict, seed: int, name: str, size: float = 1.0) -> Recording:
@@ -40,7 +44,7 @@ def test_the_nominal_simulation_beside_a_real_run_is_named_for_what_it_is() -> N
 @pytest.mark.parametrize(
     ("one", "other"),
     [
-        (BACKLASH, {"backlash": {"half_width": on(4, 8e-4)}}),
+        (BACKLASH, {"backlash": {"half_width": on(3, 8e-4)}}),
         (BACKLASH, {"backlash": {"half_width": on(2, 1e-4)}}),
         ({"zero_offset": {"offset": on(3, 2e-3)}}, {"zero_offset": {"offset": on(3, -2e-3)}}),
     ],
@@ -54,7 +58,7 @@ def test_two_arms_contradict_each_other(one: dict, other: dict) -> None:
     [
         (BACKLASH, 1.0),
         (BACKLASH, 0.4),
-        ({"load_elasticity": {"compliance": np.full(5, 0.02)}}, 1.0),
+        ({"load_elasticity": {"compliance": np.full(3, 0.02)}}, 1.0),
         ({"friction_wear": {"rate": on(2, 3e-5)}}, 1.0),
         ({"sensor_delay": {"delay": 0.012}}, 0.5),
         ({}, 1.0),
@@ -77,7 +81,7 @@ def test_what_one_set_of_values_explains_is_of_one_arm(other: float, agree: bool
 def bent(centre: float, seed: int, name: str, zero: float = 0.0) -> Recording:
     """Small motions about an angle of an arm whose joint 2 goes by a parabola, with a zero [rad]."""
     made = recorded({}, 20.0, seed, name=name, size=0.1)
-    ratio = TRUNK.arm.ratio
+    ratio = SHORT.arm.ratio
     for key, position in ((key, made.series[key].position) for key in ("setpoints", "gearbox_states")):
         made = reshaped(made, key, position=position + centre / ratio)
     theta = made.series["joint_states"].position + centre
@@ -98,7 +102,7 @@ def test_what_goes_by_no_angle_is_compared_wherever_the_other_went() -> None:
     worn = made(BACKLASH, 0, "a", 0.3)
     clean = made({}, 1, "b", 0.3)
     for key in ("setpoints", "gearbox_states"):
-        clean = reshaped(clean, key, position=clean.series[key].position + 0.6 / TRUNK.arm.ratio)
+        clean = reshaped(clean, key, position=clean.series[key].position + 0.6 / SHORT.arm.ratio)
     clean = reshaped(clean, "joint_states", position=clean.series["joint_states"].position + 0.6)
     assert contradiction(context(worn, clean), lambda _: None) is not None
 
