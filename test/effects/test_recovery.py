@@ -27,6 +27,7 @@ TIED = {
     ("unknown_cycle", "value_23"),  # the end of a period is its beginning
     ("unknown_waves", "value_23"),
     ("load_droop", "as_torque"),  # the excitation asks for no more than the top speed
+    ("integral_action", "windup"),  # likewise
     ("link_offset_error", "across_2"),  # along parallel axes the shifts of all joints are one
 }
 

@@ -154,11 +154,11 @@ class Further:
         return min(map(self.fitted, [*starts[: len(sizes)], *near]), key=cost_of)
 
     def fitted(self, start: Array) -> Any:
-        """From a start."""
+        """From a start, or what is nearest to it within the bounds."""
         loop, n = self.loop, len(start) - len(self.parts)
         bounds = np.vstack([np.column_stack([loop.low, loop.high])[:n], *(p.bounds for p in self.parts)])
         steps = [part.step for part in self.parts]
-        return solved(self._residuals, start, np.append(STEPS[:n], steps), bounds.T)
+        return solved(self._residuals, np.clip(start, *bounds.T), np.append(STEPS[:n], steps), bounds.T)
 
     def settled(self, best: Any) -> Any:
         """The best fit from one on, from where its top speed is reached as well, and by the delay; with what
