@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
 
 from test.diagnosis.arms import diagnose
 from test.diagnosis.test_drive_limits import limited
-from test.diagnosis.test_nominal_servo import NOISE, _left, of_joints
+from test.diagnosis.test_nominal_servo import NOISE, _left, _stated, of_joints
+from trunk_ros.diagnosis.servos.further import Further, Part, like_others
+from trunk_ros.diagnosis.servos.nominal_servo import moved
+from trunk_ros.diagnosis.servos.servo_loop import Loop
+from trunk_ros.effects import effect
 
 
 @pytest.mark.parametrize(
@@ -37,3 +42,18 @@ def test_two_such_things_are_found_one_after_the_other() -> None:
     found = diagnose(run, model="direct")
     assert ({f.effect for f in found.findings}, found.verdict) == (set(both), "explained")
     assert _left(found.model, other).max() < 1.1 * NOISE
+
+
+def test_a_slow_joint_may_begin_from_what_a_fast_one_does() -> None:
+    """Whose top speed lies beyond all that the slow one may have: the fit refused that, and all ended."""
+    run = of_joints(limited({"integral_action": {"ki": 15.0}}, 1), "shoulder")
+    ((context, column, _),) = moved(_stated().only(("shoulder",)), [run])
+    loop = Loop.of(context, column)
+    fast = (
+        Further(loop, (Part(effect("integral_action")),)),
+        np.array([*np.log([20.0, 0.4, 1e3]), 0.0, 10.0]),
+        0.0,
+    )
+    own = Further(loop, ()), loop.at(np.array([20.0, 0.02, 5.0, 0.0, 0.0]))[:4], np.inf
+    found, at, _ = like_others(own, [fast])
+    assert (len(found.parts), at[-1]) == (1, pytest.approx(15.0, rel=0.01))

@@ -154,11 +154,11 @@ class Further:
         return min(map(self.fitted, [*starts[: len(sizes)], *near]), key=cost_of)
 
     def fitted(self, start: Array) -> Any:
-        """From a start, or what is nearest to it within the bounds."""
+        """From a start, within bounds: that of another joint's drive may lie beyond those of a slow one."""
         loop, n = self.loop, len(start) - len(self.parts)
-        bounds = np.vstack([np.column_stack([loop.low, loop.high])[:n], *(p.bounds for p in self.parts)])
+        bounds = np.vstack([np.column_stack([loop.low, loop.high])[:n], *(p.bounds for p in self.parts)]).T
         steps = [part.step for part in self.parts]
-        return solved(self._residuals, np.clip(start, *bounds.T), np.append(STEPS[:n], steps), bounds.T)
+        return solved(self._residuals, np.clip(start, *bounds), np.append(STEPS[:n], steps), bounds)
 
     def settled(self, best: Any) -> Any:
         """The best fit from one on, from where its top speed is reached as well, and by the delay; with what
