@@ -106,3 +106,13 @@ def test_a_link_that_does_not_ring_is_seen_where_its_wire_damps_it(form: str, sh
     """Damped against the arm it lags, as behind any damper."""
     damped = Term("link_resonance", form, own={1: {"frequency": 5.0, "damping": 0.6}})
     assert (hidden(context("clean"), damped) == []) == shown
+
+
+def test_a_motor_that_turns_while_its_own_joint_stands_may_turn_another_one() -> None:
+    now = context("clean").now(0, 2)
+    angles = now.angles.copy()
+    angles[:, 1] = 0.3  # held, or its wire slips
+    held = replace(now, angles=angles, wires=now.wires)
+    told = {"gain": np.array([0.1])}, {"source": (now.joints[1],)}
+    assert effect("joint_coupling")(*told, "motors").credible(held)
+    assert not effect("joint_coupling")(*told, "angle").credible(held)

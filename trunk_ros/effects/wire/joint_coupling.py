@@ -75,7 +75,7 @@ class JointCoupling(Effect):
         """A source that stands is no more than an offset; a drag that never slides is a gain, and by how it
         began an offset.
         """
-        moved = np.ptp(now.angles, axis=0)
+        moved = np.ptp(self._seen(now), axis=0)
         stand = any(moved[now.joints.index(s)] <= STANDS * moved.max() for _, s, _ in self._links)
         return not stand and (self.form != "drag" or self._slides(now))
 
@@ -116,6 +116,10 @@ class JointCoupling(Effect):
     _gains: tuple[tuple[str, ...], Array] = (), np.empty(0)
     """For the joints of an arm, (all joints, columns) joint angle per angle of each source."""
 
+    def _seen(self, now: Now) -> Array:
+        """(n, all joints) rad of what the sources act by: their motors where it is their wires."""
+        return now.wires if self.form in ("motors", "drag") else now.angles
+
     def _pull(self, now: Now, state: Any) -> tuple[Array, Any]:
         """(n, columns) rad that the sources add."""
         joints, gains = self._gains
@@ -124,12 +128,13 @@ class JointCoupling(Effect):
             for column, source, gain in self._links:
                 gains[now.joints.index(source), column] += gain
             self._gains = now.joints, gains
+        pulled = self._seen(now) @ gains
         if self.form != "drag":
-            return np.asarray((now.wires if self.form == "motors" else now.angles) @ gains), None
+            return np.asarray(pulled), None
         dragging = [source or "" for source in self.words.get("source", ("",) * len(now.ratio))]
         moved = np.zeros((len(now.stamp), len(now.ratio)))
         for column, source in enumerate(dragging):
             if source:
                 moved[:, column] = now.wires[:, now.joints.index(source)]
         stuck, state = SharpPlay().run(moved, self["reach"][None], state)
-        return np.asarray(now.wires @ gains + self["drag"] * (moved - stuck)), state
+        return np.asarray(pulled + self["drag"] * (moved - stuck)), state
