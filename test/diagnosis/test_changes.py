@@ -241,7 +241,8 @@ def test_another_law_with_the_values_that_the_model_has_is_said() -> None:
     result = told({"viscous_lag": {**lag, "form": "first_order"}}, law)
     (only,) = result.findings
     assert (only.effect, result.model.effects["viscous_lag"]["form"]) == ("viscous_lag", "shift")
-    assert "the model has the form first_order, the recording shows shift" in only.statement
+    assert f"{', '.join(only.joints)}: the model has the form first_order" in only.statement
+    assert "the recording shows shift" in only.statement
     assert told(law, law).verdict == "no_mismatch"
 
 

@@ -146,7 +146,8 @@ def _changed(
     if not parameters and (found is None or not law):
         return None
     if law and found is not None and now is not None and not (parameters and gone):
-        said.insert(0, f"{who} has the form {known.form}, the recording shows {now.form}")
+        where = "" if parameters else f"{', '.join(found.joints)}: "
+        said.insert(0, f"{where}{who} has the form {known.form}, the recording shows {now.form}")
         parameters, gone = parameters or found.parameters, False
     joints = [joint for joint in context.joints if joint in parameters]
     joints = joints or (found.joints if found else [context.joints[c] for c in context.columns])
