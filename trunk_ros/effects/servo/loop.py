@@ -67,13 +67,13 @@ def servo_loop(
     asks for (NaN: the run begins) at row ``skip - 1``. The numbers of the loop (1 or n, columns), ``cogging``
     (3, likewise), ``limits`` (4, likewise) of how fast the drive moves its own setpoint on, of how fast the
     speed changes, the error that the motor's dry friction holds, and how far beyond its top speed the loop
-    sums up; ``reach`` (columns,). A wire that slides
-    holds the shaft back by ``rub``, from ``reach`` beyond where it stuck, no less than ``rub``: the loop
-    would be stiffer than its gain. A wire that sticks keeps its tension: a ``load`` (rad of the setpoint)
-    that changes meanwhile only brings it nearer to sliding. Between two rows the mean of their loads acts. Of
-    what wires pull the share ``torque`` acts past the top speed that the position loop may ask for, the rest
-    before it. Its integral part, of the gain ``ki``, sums up neither what they pull nor what setpoints are
-    fed ``beside`` (m or 0, columns): it makes up for the one, and does not know of the other.
+    sums up; ``reach`` (columns,). A wire that slides holds the shaft back by ``rub``, from ``reach`` beyond
+    where it stuck, no less than ``rub``: the loop would be stiffer than its gain. A wire that sticks keeps
+    its tension: a ``load`` (rad of the setpoint) that changes meanwhile only brings it nearer to sliding.
+    Between two rows the mean of their loads acts. Of what wires pull the share ``torque`` acts past the top
+    speed that the position loop may ask for, the rest before it. Its integral part, of the gain ``ki``, sums
+    up neither what they pull nor what setpoints are fed ``beside`` (m or 0, columns): it makes up for the
+    one, and does not know of the other.
     ``ahead`` of a step, the loop sees its shaft go on, and the shaft has the speed that it had: 0 as the
     reference, 1/2 as one that is integrated exactly, but for the square of the step.
     Within a step that late setpoints fall into, the time-weighted mean of what each asks for acts: the result
