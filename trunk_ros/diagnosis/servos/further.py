@@ -61,16 +61,18 @@ def beside_more(loop: Loop, numbers: Array, cost: float) -> Beside:
 
 
 def like_others(own: Beside, others: Iterable[Beside]) -> Beside:
-    """What is found of a drive, or what the ``others`` of its arm lead to where that leaves clearly less."""
+    """What is found of a drive, or what that of the ``others`` of its arm leads to whose numbers leave least,
+    where that leaves clearly less.
+    """
     further, _, cost = own
     if is_explained(further.loop, cost):
         return own
-    for other, at, _ in others:
-        there = Further(further.loop, other.parts)
-        found = there.settled(there.fitted(at))
-        if CLEARLY**2 * 2.0 * cost_of(found) < own[-1]:
-            own = there, found.x, 2.0 * cost_of(found)
-    return own
+    each = ((there := Further(further.loop, other.parts), there.fitted(at)) for other, at, _ in others)
+    there, near = min(each, key=lambda one: cost_of(one[1]), default=(further, None))
+    if near is None:
+        return own
+    found = there.settled(near)
+    return (there, found.x, 2.0 * cost_of(found)) if CLEARLY**2 * 2.0 * cost_of(found) < cost else own
 
 
 def _is_further(kind: type[Effect]) -> bool:
