@@ -253,3 +253,13 @@ def test_what_is_gone_beside_what_is_new_has_no_equivalent_where_both_were_measu
     assert {f.effect for f in result.findings} == {"joint_coupling", "posture_ratio"}
     assert gone.equivalents == []
     assert "of joint_2 the model has 0.05, the recording shows none" in gone.statement
+
+
+@pytest.mark.parametrize("form", ["motors", "drag"])
+def test_a_source_that_was_not_recorded_is_said(form: str) -> None:
+    size = {"drag": on(3, 0.1)} if form == "drag" else {"gain": on(3, 0.1)}
+    model = Model(SHORT.arm, {"joint_coupling": {"form": form, **size, "source": ["", "", "joint_2"]}})
+    run = of_the_wires(recorded(seconds=6.0))
+    some = replace(run, series={n: s.select(("joint_1", "joint_3")) for n, s in run.series.items()})
+    with pytest.raises(ModelError, match="source of joint_3 is 'joint_2'"):
+        diagnose([some], model=model)

@@ -69,7 +69,9 @@ class Stage(ABC):
         self.joints = spans[0].joints
         self.units = units or {}
         self.model = model.for_joints(self.joints)
-        self.known = hypothesis_of(self.model.only(self.joints).effects, self.name, len(self.joints))
+        here = self.model.only(self.joints)
+        here.bound(self.name)  # refuses what goes by a joint that was not recorded
+        self.known = hypothesis_of(here.effects, self.name, len(self.joints))
         """The effects that the model has already: what a finding adds to."""
         loaded = self.model.loaded_arm()
         without = loaded.payload - payload_of(self.known).own  # the hypothesis brings its own payload

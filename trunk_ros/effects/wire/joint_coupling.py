@@ -97,7 +97,8 @@ class JointCoupling(Effect):
 
     def check(self, joints: tuple[str, ...]) -> None:
         super().check(joints)
-        check_sources(self.id, self.pairs(), self.values, self.words, joints)
+        drags = [("drag", self.texts[0])] if self.form == "drag" else []
+        check_sources(self.id, [*self.pairs(), *drags], self.values, self.words, joints)
 
     def pairs(self) -> list[tuple[str, str]]:
         """Names of each gain and the source that belongs to it."""
