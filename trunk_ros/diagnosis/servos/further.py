@@ -13,12 +13,15 @@ import numpy as np
 
 from trunk_ros.arm.arm import SERVO_OF_EACH
 from trunk_ros.compiled import Array
+from trunk_ros.data.excerpt import moving
 from trunk_ros.diagnosis.hypothesis import Hypothesis
 from trunk_ros.diagnosis.search.candidates import Candidate, extended, usable
 from trunk_ros.diagnosis.search.score import SIGNIFICANT
 from trunk_ros.diagnosis.search.starts import Starts
 from trunk_ros.diagnosis.servos.servo_loop import (
     FED,
+    FINE,
+    ROUGH,
     STARTS,
     STEPS,
     TOPS,
@@ -49,9 +52,14 @@ def beside_more(loop: Loop, numbers: Array, cost: float) -> Beside:
             rest = {name: value for name, value in start.items() if name != _lead(kind).name}
             sizes.setdefault(Part(kind, tuple(rest.items())), []).append(float(start[_lead(kind).name]))
     best, at = Further(loop, ()), loop.at(numbers)[: 5 if numbers[-1] else 4]
+    most = moving([view.span for view in loop.context.views], loop.column)
+    part_of_it = replace(loop, context=loop.context.over(most)) if most else loop
     while sizes and not is_explained(loop, cost):
-        each = [(other := best.and_with(part), other.begun(at, some)) for part, some in sizes.items()]
-        further, found = min(each, key=lambda one: cost_of(one[1]))
+        rough = Further(part_of_it, best.parts)
+        each = [(part, rough.and_with(part).begun(at, some)) for part, some in sizes.items()]
+        part, near = min(each, key=lambda one: cost_of(one[1]))
+        further = best.and_with(part)
+        found = further.fitted(near.x)
         if CLEARLY**2 * 2.0 * cost_of(found) >= cost:
             break
         best, found = further, further.settled(found)
@@ -67,7 +75,7 @@ def like_others(own: Beside, others: Iterable[Beside]) -> Beside:
     further, _, cost = own
     if is_explained(further.loop, cost):
         return own
-    each = ((there := Further(further.loop, other.parts), there.fitted(at)) for other, at, _ in others)
+    each = ((there := Further(further.loop, other.parts), there.fitted(at, ROUGH)) for other, at, _ in others)
     there, near = min(each, key=lambda one: cost_of(one[1]), default=(further, None))
     if near is None:
         return own
@@ -144,7 +152,7 @@ class Further:
         return self.loop.residuals(numbers, [self.hypothesis(x) for x in some])
 
     def begun(self, at: Array, sizes: Sequence[float]) -> Any:
-        """The best fit from one without the last effect, or from usual loops, with some ``sizes`` of it."""
+        """The best rough fit from one without the last effect, or from usual loops, with ``sizes`` of it."""
         top, others = at[2], at[len(at) - len(self.parts) + 1 :]
         usual = [
             np.array([*np.log([kp, swings]), top, late, *others]) for kp, swings, late in product(*STARTS)
@@ -152,15 +160,17 @@ class Further:
         log = self.parts[-1].log
         starts = [np.append(x, np.log(size) if log else size) for x in (at, *usual) for size in sizes]
         left = [float(rest @ rest) for rest in self._residuals(starts)]
-        near = [starts[k] for k in np.argsort(left, kind="stable")[:SEVERAL]]
-        return min(map(self.fitted, [*starts[: len(sizes)], *near]), key=cost_of)
+        near = {*range(len(sizes)), *np.argsort(left, kind="stable")[:SEVERAL].tolist()}
+        return min((self.fitted(starts[k], ROUGH) for k in sorted(near)), key=cost_of)
 
-    def fitted(self, start: Array) -> Any:
+    def fitted(self, start: Array, enough: float = FINE) -> Any:
         """From a start, within bounds: that of another joint's drive may lie beyond those of a slow one."""
         loop, n = self.loop, len(start) - len(self.parts)
         bounds = np.vstack([np.column_stack([loop.low, loop.high])[:n], *(p.bounds for p in self.parts)]).T
         steps = [part.step for part in self.parts]
-        return solved(self._residuals, np.clip(start, *bounds), np.append(STEPS[:n], steps), bounds)
+        return solved(
+            self._residuals, np.clip(start, *bounds), np.append(STEPS[:n], steps), bounds, enough=enough
+        )
 
     def settled(self, best: Any) -> Any:
         """The best fit from one on, from where its top speed is reached as well, and by the delay; with what
