@@ -20,8 +20,6 @@ from trunk_ros.diagnosis.search.score import SIGNIFICANT
 from trunk_ros.diagnosis.search.starts import Starts
 from trunk_ros.diagnosis.servos.servo_loop import (
     FED,
-    FINE,
-    ROUGH,
     STARTS,
     STEPS,
     TOPS,
@@ -75,7 +73,9 @@ def like_others(own: Beside, others: Iterable[Beside]) -> Beside:
     further, _, cost = own
     if is_explained(further.loop, cost):
         return own
-    each = ((there := Further(further.loop, other.parts), there.fitted(at, ROUGH)) for other, at, _ in others)
+    each = (
+        (there := Further(further.loop, other.parts), there.fitted(at, rough=True)) for other, at, _ in others
+    )
     there, near = min(each, key=lambda one: cost_of(one[1]), default=(further, None))
     if near is None:
         return own
@@ -161,15 +161,15 @@ class Further:
         starts = [np.append(x, np.log(size) if log else size) for x in (at, *usual) for size in sizes]
         left = [float(rest @ rest) for rest in self._residuals(starts)]
         near = {*range(len(sizes)), *np.argsort(left, kind="stable")[:SEVERAL].tolist()}
-        return min((self.fitted(starts[k], ROUGH) for k in sorted(near)), key=cost_of)
+        return min((self.fitted(starts[k], rough=True) for k in sorted(near)), key=cost_of)
 
-    def fitted(self, start: Array, enough: float = FINE) -> Any:
+    def fitted(self, start: Array, rough: bool = False) -> Any:
         """From a start, within bounds: that of another joint's drive may lie beyond those of a slow one."""
         loop, n = self.loop, len(start) - len(self.parts)
         bounds = np.vstack([np.column_stack([loop.low, loop.high])[:n], *(p.bounds for p in self.parts)]).T
         steps = [part.step for part in self.parts]
         return solved(
-            self._residuals, np.clip(start, *bounds), np.append(STEPS[:n], steps), bounds, enough=enough
+            self._residuals, np.clip(start, *bounds), np.append(STEPS[:n], steps), bounds, rough=rough
         )
 
     def settled(self, best: Any) -> Any:

@@ -31,7 +31,6 @@ STARTS = (5.0, 20.0, 80.0, 320.0), (0.1, 0.5), (0.0, 0.02, 0.08)
 """kp [1/s], kp tau_v, delay [s]."""
 TOPS = (1.0, THREEFOLD)  # v_max over the highest speed seen: one that is reached, and one that is left open
 FED = (0.3, 1.0)  # shares of the setpoint's speed that are tried first
-ROUGH, FINE = 1e-4 * GAINED, 1e-8  # of a fit's squares, numbers and slopes: one among many, and the last
 VALLEYS = STEP * np.array([-1.0, -0.5, 0.5, 1.0])  # s
 STEPS = np.array([0.01, 0.01, 0.01, 1e-3, 0.01])  # of logarithms, s, and a share
 
@@ -144,12 +143,12 @@ class Loop:
         far as the search fits, of one among many.
         """
         n = len(start)
-        bounds, enough = np.array([self.low[:n], self.high[:n]]), ROUGH if rough else FINE
+        bounds = np.array([self.low[:n], self.high[:n]])
 
         def residuals(some: Sequence[Array]) -> list[Array]:
             return self.residuals([numbers_of(x, tau_v) for x in some])
 
-        return solved(residuals, start, STEPS[:n], bounds, method, enough)
+        return solved(residuals, start, STEPS[:n], bounds, method, rough)
 
 
 def solved(
@@ -158,12 +157,12 @@ def solved(
     usual: Array,
     bounds: Array,
     method: Literal["dogbox", "trf"] = "trf",
-    enough: float = FINE,
+    rough: bool = False,
 ) -> Any:
     """Least squares from a start (k,) within ``bounds`` (2, k), with slopes from ``usual`` steps (k,), all
     looked at side by side.
     """
-    seen = dict[bytes, Array]()
+    enough, seen = 1e-4 * GAINED if rough else 1e-8, dict[bytes, Array]()
 
     def residual(x: Array) -> Array:
         if x.tobytes() not in seen:
