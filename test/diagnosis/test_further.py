@@ -23,7 +23,7 @@ from trunk_ros.effects import effect
     ],
 )
 def test_a_loop_is_found_beside_what_its_drive_does_besides(effect: str, parameter: str, size: float) -> None:
-    """Its numbers had made up for that, and another motion was off by 0.1 to 50 mrad."""
+    """Its numbers had made up for that, and another motion was off by 0.1 to 57 mrad."""
     run, other = (of_joints(limited({effect: {parameter: size}}, seed), "shoulder") for seed in (1, 2))
     found = diagnose(run, model="direct")
     (finding,) = found.findings

@@ -6,7 +6,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
-from itertools import product
 from typing import Any
 
 import numpy as np
@@ -20,7 +19,6 @@ from trunk_ros.diagnosis.search.score import SIGNIFICANT
 from trunk_ros.diagnosis.search.starts import Starts
 from trunk_ros.diagnosis.servos.servo_loop import (
     FED,
-    STARTS,
     STEPS,
     TOPS,
     Loop,
@@ -30,6 +28,7 @@ from trunk_ros.diagnosis.servos.servo_loop import (
     is_explained,
     numbers_of,
     solved,
+    usual_loops,
 )
 from trunk_ros.effects import Effect
 from trunk_ros.levels import CLEARLY, HARDLY, SEVERAL
@@ -153,10 +152,8 @@ class Further:
 
     def begun(self, at: Array, sizes: Sequence[float]) -> Any:
         """The best rough fit from one without the last effect, or from usual loops, with ``sizes`` of it."""
-        top, others = at[2], at[len(at) - len(self.parts) + 1 :]
-        usual = [
-            np.array([*np.log([kp, swings]), top, late, *others]) for kp, swings, late in product(*STARTS)
-        ]
+        others = at[len(at) - len(self.parts) + 1 :]
+        usual = [np.append(x, others) for x in usual_loops(float(np.exp(at[2])))]
         log = self.parts[-1].log
         starts = [np.append(x, np.log(size) if log else size) for x in (at, *usual) for size in sizes]
         left = [float(rest @ rest) for rest in self._residuals(starts)]
@@ -164,13 +161,11 @@ class Further:
         return min((self.fitted(starts[k], rough=True) for k in sorted(near)), key=cost_of)
 
     def fitted(self, start: Array, rough: bool = False) -> Any:
-        """From a start, within bounds: that of another joint's drive may lie beyond those of a slow one."""
+        """From a start."""
         loop, n = self.loop, len(start) - len(self.parts)
         bounds = np.vstack([np.column_stack([loop.low, loop.high])[:n], *(p.bounds for p in self.parts)]).T
-        steps = [part.step for part in self.parts]
-        return solved(
-            self._residuals, np.clip(start, *bounds), np.append(STEPS[:n], steps), bounds, rough=rough
-        )
+        steps = np.append(STEPS[:n], [part.step for part in self.parts])
+        return solved(self._residuals, start, steps, bounds, rough=rough)
 
     def settled(self, best: Any) -> Any:
         """The best fit from one on, from where its top speed is reached as well, and by the delay; with what
@@ -178,11 +173,11 @@ class Further:
         """
         reached = best.x.copy()
         reached[2] = np.log(fastest_of(self.loop.context, self.loop.column))
-        best = in_its_valley(min(best, self.fitted(reached), key=cost_of), self.fitted, self.loop)
+        best = in_its_valley(min(best, self.fitted(reached), key=cost_of), self.fitted)
         if is_explained(self.loop, 2.0 * cost_of(best)) or len(best.x) - len(self.parts) > 4:
             return best
         told = (self.fitted(np.insert(x, 4, share)) for x in (best.x, reached) for share in FED)
-        nearest = in_its_valley(min(told, key=cost_of), self.fitted, self.loop)
+        nearest = in_its_valley(min(told, key=cost_of), self.fitted)
         return nearest if CLEARLY**2 * nearest.cost < best.cost else best
 
     def numbers(self, x: Array) -> Array:

@@ -31,6 +31,7 @@ from trunk_ros.diagnosis.servos.servo_loop import (
     in_its_valley,
     is_explained,
     numbers_of,
+    usual_loops,
     with_top,
 )
 from trunk_ros.diagnosis.servos.stood_short import clipped
@@ -191,8 +192,7 @@ def _with_further(model: Model, recordings: Sequence[Recording]) -> Model:
     """The model with the loops that its servos have beside what else they do, which is to be found then."""
     numbers, found = numbers_of_each(model.arm), dict[int, Beside]()
     for context, column, joint in moved(model, recordings):
-        loop = _at(context, column, numbers[:, joint])
-        left = loop.left(numbers[:, joint])
+        loop, left = _at(context, column, numbers[:, joint])
         if not is_explained(loop, left) and not clipped(context, column):
             found[joint] = beside_more(replace(loop, pulled=()), numbers[:, joint], left)
     some = [one for one in found.values() if one[0].parts]
@@ -252,13 +252,10 @@ def _fitted(whole: Loop, told: Array) -> tuple[Array, float]:
     part = replace(whole, context=context.over(some)) if some else whole
     fits = []
     for top in TOPS:  # a limit that is reached, and one that is not, hide each other
-        starts = [
-            np.array([*np.log([kp, swings, fastest * top]), late]) for kp, swings, late in product(*STARTS)
-        ]
-        begun = part.nearest(starts, SEVERAL)
+        begun = part.nearest(usual_loops(fastest * top), SEVERAL)
         near = min((part.fitted(x, method, rough=True) for x in begun for method in METHODS), key=cost_of)
         fits.append(near if part is whole else whole.fitted(near.x, rough=True))
-    nearest = in_its_valley(min(fits, key=cost_of), partial(whole.fitted, rough=True), whole)
+    nearest = in_its_valley(min(fits, key=cost_of), partial(whole.fitted, rough=True))
     best = numbers_of(min(nearest, whole.fitted(nearest.x), key=cost_of).x)
     cost = whole.left(best)
     open_top = np.maximum(told, TOPS[-1] * fastest)
@@ -270,19 +267,22 @@ def _told_speed(context: Context, column: int, found: Array) -> Array:
     """(5,) numbers of a servo that is told how fast its setpoints move, where that explains more than what
     was ``found`` (5,) without.
     """
-    loop, fastest = _at(context, column, found), np.log(found[TOP_SPEED][0])
+    (loop, left), fastest = _at(context, column, found), np.log(found[TOP_SPEED][0])
     starts = [
         np.array([np.log(kp), np.log(swings), fastest, 0.0, share])
         for kp, swings, share in product(*STARTS[:2], FED)
     ]
     near = loop.nearest([np.clip(x, loop.low, loop.high) for x in starts], SEVERAL)
     best = min((numbers_of(loop.fitted(x).x) for x in near), key=loop.left)
-    if loop.left(best) > loop.left(found) - SIGNIFICANT:
+    if loop.left(best) > left - SIGNIFICANT:
         return found
     return with_top(loop, best, found)
 
 
-def _at(context: Context, column: int, found: Array) -> Loop:
-    """The loop of numbers that were ``found`` (5,), pulled by the load where that explains clearly more."""
+def _at(context: Context, column: int, found: Array) -> tuple[Loop, float]:
+    """The loop of numbers that were ``found`` (5,), pulled by the load where that explains clearly more, and
+    what it leaves.
+    """
     loops = [Loop.of(context, column), *Loop.pulled_at(context, column)]
-    return _clearest([(loop, found, loop.left(found)) for loop in loops])[0]
+    loop, _, left = _clearest([(loop, found, loop.left(found)) for loop in loops])
+    return loop, left

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
+from itertools import product
 from typing import Any, Literal
 
 import numpy as np
@@ -159,8 +160,8 @@ def solved(
     method: Literal["dogbox", "trf"] = "trf",
     rough: bool = False,
 ) -> Any:
-    """Least squares from a start (k,) within ``bounds`` (2, k), with slopes from ``usual`` steps (k,), all
-    looked at side by side.
+    """Least squares from what is nearest to a start (k,) within ``bounds`` (2, k), with slopes from ``usual``
+    steps (k,), all looked at side by side. The start may be that of another drive, with other bounds.
     """
     enough, seen = 1e-4 * GAINED if rough else 1e-8, dict[bytes, Array]()
 
@@ -175,9 +176,13 @@ def solved(
         beside = residuals([x + h for h in steps])
         return np.column_stack([(there - base) / h.sum() for there, h in zip(beside, steps, strict=True)])
 
-    return least_squares(
-        residual, start, slopes, tuple(bounds), method, enough, enough, x_scale="jac", max_nfev=60
-    )
+    begun, ends = np.clip(start, *bounds), tuple(bounds)
+    return least_squares(residual, begun, slopes, ends, method, enough, enough, x_scale="jac", max_nfev=60)
+
+
+def usual_loops(top: float) -> list[Array]:
+    """(4,) each, what is fitted of usual loops with a top speed [rad/s]."""
+    return [np.array([*np.log([kp, swings, top]), late]) for kp, swings, late in product(*STARTS)]
 
 
 def numbers_of(x: Array, tau_v: float | None = None) -> Array:
@@ -204,19 +209,18 @@ def cost_of(fit: Any) -> float:
     return float(fit.cost)
 
 
-def in_its_valley(nearest: Any, fitted: Callable[[Array], Any], loop: Loop) -> Any:
+def in_its_valley(nearest: Any, fitted: Callable[[Array], Any]) -> Any:
     """The best fit that is near one by the delay: a loop that is stepped is best at some delays."""
     at = np.inf
     while nearest.cost < (1.0 - LITTLE) * at:
         at = nearest.cost
-        beside = [fitted(_later(nearest.x, by, loop)) for by in VALLEYS]
+        beside = [fitted(_later(nearest.x, by)) for by in VALLEYS]
         nearest = min([nearest, *beside], key=cost_of)
     return nearest
 
 
-def _later(x: Array, by: float, loop: Loop) -> Array:
+def _later(x: Array, by: float) -> Array:
     """What is fitted of a loop that is ``by`` s later, and as much quicker."""
     lag, there = np.exp(-x[0]) - by, x.copy()
     there[0], there[3] = -np.log(lag) if lag > 0.0 else x[0], x[3] + by
-    there[:4] = np.clip(there[:4], loop.low[:4], loop.high[:4])
     return there

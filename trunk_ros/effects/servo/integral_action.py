@@ -45,7 +45,7 @@ class IntegralAction(Effect):
             "speed that it asks for beyond the top speed until it sums up no further",
             typical=1.0,
             shared=True,
-            scan=(1.0, 100.0),
+            scan=(1.0, WOUND),
             optional=True,
         ),
     )
