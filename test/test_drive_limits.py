@@ -89,6 +89,45 @@ def test_speed_changes_no_faster_than_the_limit(hardest: float) -> None:
     assert np.abs(np.diff(got, 2, axis=0)).max() * RATE**2 <= 1.0001 * hardest
 
 
+def along_a_profile(setpoint: Array, ramp: float, top: float) -> Array:
+    """Where a profile leads a joint to steps (n,) of which each is reached before the next: trapezoids."""
+    at = np.flatnonzero(np.diff(setpoint, prepend=setpoint[0]))
+    out = setpoint[0] + np.zeros((len(setpoint), round(1.0 / RATE / FINE)))
+    since = (np.arange(out.size) * FINE).reshape(out.shape)
+    for k in at:
+        way = setpoint[k] - setpoint[k - 1]
+        fastest = min(top, np.sqrt(abs(way) * ramp))
+        whole, rises = abs(way) / fastest + fastest / ramp, fastest / ramp
+        t = np.clip(since - k / RATE, 0.0, whole)
+        rise, fall = np.minimum(t, rises), np.maximum(t - whole + rises, 0.0)
+        out += np.sign(way) * (0.5 * ramp * rise**2 + fastest * (t - rise) - 0.5 * ramp * fall**2)
+    return out
+
+
+@pytest.mark.parametrize(("ramp", "top"), [(2.0, 50.0), (2.0, 0.4), (30.0, 1.0)])
+def test_a_profile_is_a_trapezoid_from_one_setpoint_to_the_next(ramp: float, top: float) -> None:
+    stamp = np.arange(0.0, 6.0, 1.0 / RATE)
+    setpoint = np.where(stamp > 0.5, 0.5, 0.0) - np.where(stamp > 3.0, 0.8, 0.0)
+    led, phi, v, shaft = along_a_profile(setpoint, ramp, top), 0.0, 0.0, []
+    for row in led:
+        shaft.append(phi)
+        for target in row:
+            v += (KP * (target - phi) - v) / TAU * FINE
+            phi += v * FINE
+    arm = replace(arm_of(1), kp=KP, tau_v=TAU, v_max=top, step=0.0)
+    model = Model(arm, {"setpoint_profile": {"acceleration": ramp}})
+    got = Chain(model, "servo").run(setpoint[:, None], stamp)[0]
+    assert got[:, 0] == pytest.approx(shaft, abs=2e-4)
+
+
+def test_a_profile_that_is_quick_enough_follows_setpoints_that_move_as_if_there_were_none() -> None:
+    stamp, setpoint = asked()
+    smooth = setpoint[:, 1:]
+    led = [servo(smooth, stamp, setpoint_profile={"acceleration": ramp}) for ramp in (20.0, 40.0, 1e4)]
+    lags = [np.abs(one - servo(smooth, stamp)).max() for one in led]
+    assert lags[2] < 6e-3 < lags[1] < lags[0]  # 27 mrad each 10 ms take 3.3
+
+
 @pytest.mark.parametrize("friction", [2e-3, 0.02])
 def test_dry_friction_holds_the_shaft_back(friction: float) -> None:
     """As far as it goes: at rest any error up to that stays, and in motion all of it is added to the lag."""

@@ -49,6 +49,7 @@ def servo_core(arm: Arm, effects: Sequence[Effect], now: Now, numbers: Array | N
         dead_zone=none,
         cogging=none,
         quickest=none + np.inf,
+        ramp=none + np.inf,
         hardest=none + np.inf,
         dry=none,
         ki=none,
@@ -64,7 +65,7 @@ def servo_core(arm: Arm, effects: Sequence[Effect], now: Now, numbers: Array | N
 def run_servo(
     core: Core, now: Now, setpoints: Array, stamps: Array, start: Array, anew: Iterable[int] = ()
 ) -> tuple[Array, Array]:
-    """Gearbox angle (n, columns) of loops with these numbers and their state (6, columns) after it;
+    """Gearbox angle (n, columns) of loops with these numbers and their state (7, columns) after it;
     ``setpoints`` may begin with past rows. After each of the rows ``anew`` it goes on from where the gearbox
     is there.
     """
@@ -82,7 +83,7 @@ def run_servo(
 
 
 def with_sums(core: Core, now: Now, setpoints: Array, start: Array) -> Array:
-    """The state (6, columns) of a start with what integral parts hold then: as much as has the shafts go as
+    """The state (7, columns) of a start with what integral parts hold then: as much as has the shafts go as
     they were read to from there. By the first reading alone it would be known no better than a speed is, and
     it dies away slowly.
     """
@@ -182,7 +183,7 @@ def _side_by_side(
 
 
 def _limits(core: Core) -> Array:
-    return np.stack(np.broadcast_arrays(core.quickest, core.hardest, core.dry, core.windup))
+    return np.stack(np.broadcast_arrays(core.paces, core.hardest, core.dry, core.windup, core.ramp))
 
 
 def _changes(core: Core, rows: int) -> list[int]:

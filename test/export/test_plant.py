@@ -132,7 +132,18 @@ def test_servos_of_any_numbers_go_as_simulate_has_them(servo: dict[str, Any]) ->
 def test_servos_at_their_top_speed_go_as_simulate_has_them(
     told: dict[str, Any], effects: dict[str, Any]
 ) -> None:
-    model = Model(replace(ARM, **told), effects)
+    shown, expected = of_steps(Model(replace(ARM, **told), effects))
+    np.testing.assert_allclose(shown, expected, atol=1e-9)
+
+
+def test_servos_that_go_along_profiles_do_so_in_the_mean_of_each_step() -> None:
+    profiles = {"setpoint_profile": {"acceleration": np.array([1.0, 2.0, 4.0, 8.0, 1e6])}}
+    shown, expected = of_steps(Model(ARM, profiles | {"velocity_saturation": {"v_max": 0.8}}))
+    np.testing.assert_allclose(shown, expected, atol=1e-4)
+
+
+def of_steps(model: Model) -> tuple[Array, Array]:
+    """What a plant shows of steps of its setpoints, and what should be (n - 1, joints)."""
     stands = STAMP < 1.0
     asked = np.where(stands, 0.0, np.where(np.floor(STAMP / 0.7) % 2 == 0.0, 0.6, -0.6))
     asked = np.tile(asked[:, None], (1, 5))
@@ -140,7 +151,7 @@ def test_servos_at_their_top_speed_go_as_simulate_has_them(
     plant = model.plant()
     plant.reset()
     shown = np.array([plant.step(row, 1.0 / RATE) for row in asked])
-    np.testing.assert_allclose(shown[:-1], Chain(model, "wire").run(phi, STAMP)[0][1:], atol=1e-9)
+    return shown[:-1], Chain(model, "wire").run(phi, STAMP)[0][1:]
 
 
 @pytest.mark.parametrize("step", [1e-3, 0.0])

@@ -66,6 +66,8 @@ class Core:
     highest: Array | float = np.inf
     quickest: Array = field(default_factory=lambda: NONE)
     """(1, columns) rad/s at which the drive moves its own setpoint to that it got; inf: at once."""
+    ramp: Array = field(default_factory=lambda: NONE)
+    """(1, columns) rad/s^2 by which the speed of that changes; inf: at once."""
     dry: Array = field(default_factory=lambda: NONE)
     """(1 or n, columns) rad of error that the motor's own dry friction holds."""
     hardest: Array = field(default_factory=lambda: NONE)
@@ -91,8 +93,13 @@ class Core:
 
     @property
     def tops(self) -> tuple[Array, Array]:
-        """(1 or n, columns) rad/s: the top speeds upwards and downwards."""
-        return up_and_down(self.v_max, self.uneven)
+        """(1 or n, columns) rad/s: the top speeds upwards and downwards; those of a profile are none of its loop."""
+        return up_and_down(np.where(self.ramp < np.inf, np.inf, self.v_max), self.uneven)
+
+    @property
+    def paces(self) -> Array:
+        """(1 or n, columns) rad/s at which the drive moves its own setpoint: a profile has the top speed."""
+        return np.minimum(self.quickest, np.where(self.ramp < np.inf, self.v_max, np.inf))
 
 
 def up_and_down(v_max: Array, uneven: Array) -> tuple[Array, Array]:

@@ -49,7 +49,12 @@ class AccelerationLimit(Effect):
     def grid(
         self, parameter: Parameter, now: Now, column: int, rest: Array | None = None
     ) -> tuple[float, ...]:
-        moving = now.dt > 0.0
-        speed = now.speed[moving, column] / now.ratio[column]
-        changes = np.abs(np.diff(speed) / now.dt[moving][1:])
-        return tuple(max(float(a), 2e-2) for a in np.quantile(changes, SEEN)) if len(changes) else (1.0,)
+        return accelerations_seen(now, column)
+
+
+def accelerations_seen(now: Now, column: int) -> tuple[float, ...]:
+    """Hard ones of a gearbox [rad/s^2], from which to look for the hardest that its drive allows."""
+    moving = now.dt > 0.0
+    speed = now.speed[moving, column] / now.ratio[column]
+    changes = np.abs(np.diff(speed) / now.dt[moving][1:])
+    return tuple(max(float(a), 2e-2) for a in np.quantile(changes, SEEN)) if len(changes) else (1.0,)

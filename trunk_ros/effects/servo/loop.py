@@ -7,7 +7,7 @@ import numpy as np
 from trunk_ros.arm.arm import STEP
 from trunk_ros.compiled import Array, compiled
 from trunk_ros.effects.servo.asked import beyond, mean_of, speed_asked
-from trunk_ros.effects.servo.speed import held_back, rise, towards
+from trunk_ros.effects.servo.speed import held_back, led_on, rise, towards
 from trunk_ros.effects.servo.summed import held_at_first, summed_up
 from trunk_ros.sine import sine
 
@@ -16,16 +16,16 @@ LONGEST = 30.0  # s without a new setpoint, after which a servo stands
 
 
 def fresh(angle: Array, speed: Array | float = 0.0) -> Array:
-    """State (6, columns) of loops as a run begins, with wires that bear nothing that is known, and drives of
-    which it is not known how far their own setpoint has come, and what their integral part holds.
+    """State (7, columns) of loops as a run begins, with wires that bear nothing that is known, and drives of
+    which it is not known how far their own setpoint has come, and how fast it moves, and what their integral part holds.
     """
     none = np.zeros_like(angle)
-    return np.stack([angle, speed + none, angle, none + np.nan, none + np.nan, none + np.nan])
+    return np.stack([angle, speed + none, angle, *(none + np.nan for _ in range(4))])
 
 
 def unlimited(columns: int) -> Array:
-    """(4, 1, columns) limits of loops that have none."""
-    return np.repeat([[[np.inf]], [[np.inf]], [[0.0]], [[0.0]]], columns, axis=2)
+    """(5, 1, columns) limits of loops that have none."""
+    return np.repeat([[[np.inf]], [[np.inf]], [[0.0]], [[0.0]], [[np.inf]]], columns, axis=2)
 
 
 @compiled
@@ -62,13 +62,13 @@ def servo_loop(
     """Gearbox angle at each stamp, before the setpoint of that stamp acts. ``up``, ``down``: top speeds.
 
     ``setpoint`` (m, columns) and ``stamp`` (m,) start with the ``skip`` past rows that a delay may need, and
-    may go on beyond ``out`` (n, columns), for delays below 0; ``state`` (6, columns) is angle, speed, where
-    the wire stuck, what the load pulled, how far the drive's own setpoint came and what the integral part
-    asks for (NaN: the run begins) at row ``skip - 1``. The numbers of the loop (1 or n, columns), ``cogging``
-    (3, likewise), ``limits`` (4, likewise) of how fast the drive moves its own setpoint on, of how fast the
-    speed changes, the error that the motor's dry friction holds, and how far beyond its top speed the loop
-    sums up; ``reach`` (columns,). A wire that slides holds the shaft back by ``rub``, from ``reach`` beyond
-    where it stuck, no less than ``rub``: the loop would be stiffer than its gain. A wire that sticks keeps
+    may go on beyond ``out`` (n, columns), for delays below 0; ``state`` (7, columns) is angle, speed, where
+    the wire stuck, what the load pulled, how far the drive's own setpoint came, how fast, and what the
+    integral part asks for (NaN: the run begins) at row ``skip - 1``. The numbers of the loop (1 or n, columns), ``cogging``
+    (3, likewise), ``limits`` (5, likewise) of how fast the drive moves its own setpoint on, of how fast the
+    speed changes, the error that the motor's dry friction holds, how far beyond its top speed the loop
+    sums up, and how fast the speed of the drive's own setpoint changes; ``reach``
+    (columns,). A wire that slides holds the shaft back by ``rub``, from ``reach`` beyond where it stuck, no less than ``rub``: the loop would be stiffer than its gain. A wire that sticks keeps
     its tension: a ``load`` (rad of the setpoint) that changes meanwhile only brings it nearer to sliding.
     Between two rows the mean of their loads acts. Of what wires pull the share ``torque`` acts past the top
     speed that the position loop may ask for, the rest before it. Its integral part, of the gain ``ki``, sums
@@ -82,7 +82,7 @@ def servo_loop(
     rows, columns = setpoint.shape
     for j in range(columns):
         phi, v, stuck, bore, led = state[0, j], state[1, j], state[2, j], state[3, j], state[4, j]
-        total, own, used, over = state[5, j], 0.0, 0.0, 0.0
+        pace, total, own, used, over = state[5, j], state[6, j], 0.0, 0.0, 0.0
         held, smooth, known, lag = 0, 0.0, -1.0, -1.0
         for k in range(skip, skip + len(out)):
             r = k - skip
@@ -92,9 +92,10 @@ def servo_loop(
             bears, past = at(load, r, j), at(torque, r, j)
             size, cycles, phase = at(cogging[0], r, j), at(cogging[1], r, j), at(cogging[2], r, j)
             quickest, hardest, dry = at(limits[0], r, j), at(limits[1], r, j), at(limits[2], r, j)
-            firm, winds = at(ki, r, j), at(limits[3], r, j)
-            if led != led and quickest < np.inf:
-                led = phi + v / gain  # where a loop that goes at that speed is led
+            firm, winds, ramp = at(ki, r, j), at(limits[3], r, j), at(limits[4], r, j)
+            leads = min(quickest, ramp) < np.inf
+            if led != led and leads:
+                led, pace = phi + v / gain, v  # where a loop that goes at that speed is led
             moved = 0.0
             if rubs != 0.0 and bore == bore:  # half of it before, half of it behind the step
                 moved = 0.5 * (bears - bore) * reach[j] / rubs
@@ -127,8 +128,12 @@ def servo_loop(
                         mean += (t + h - stamp[after]) / h * (setpoint[after, j] - setpoint[after - 1, j])
                         changes = changes or setpoint[after, j] != setpoint[after - 1, j]
                         after += 1
-                    if quickest < np.inf:
-                        came, led, changes = led, towards(led, mean, quickest * h), False
+                    if leads:
+                        came, changes = led, False
+                        if ramp < np.inf:
+                            led, pace = led_on(led, pace, mean, quickest, ramp, h)
+                        else:
+                            led = towards(led, mean, quickest * h)
                         mean = 0.5 * (came + led)
                     target = mean + pulled
                     if size != 0.0:
@@ -167,4 +172,5 @@ def servo_loop(
         state[2, j] = stuck
         state[3, j] = bore
         state[4, j] = led
-        state[5, j] = total
+        state[5, j] = pace
+        state[6, j] = total

@@ -8,7 +8,7 @@ from trunk_ros.arm.arm import STEP
 from trunk_ros.compiled import Array, compiled
 from trunk_ros.effects.servo.asked import ask, beyond, speed_asked
 from trunk_ros.effects.servo.loop import CLOSE, LONGEST
-from trunk_ros.effects.servo.speed import held_back, rise, towards
+from trunk_ros.effects.servo.speed import held_back, led_on, rise, towards
 from trunk_ros.effects.servo.summed import held_at_first, summed_up
 from trunk_ros.sine import sine
 
@@ -42,7 +42,7 @@ def servo_loops(
 ) -> None:
     """The same as ``servo_loop``, to the last bit, with the columns in the innermost loop."""
     columns = setpoint.shape[1]
-    phi, v, stuck, bore, led, total = state[0], state[1], state[2], state[3], state[4], state[5]
+    phi, v, stuck, bore, led, pace, total = state
     held, substeps = np.zeros(columns, np.int64), np.zeros(columns, np.int64)
     step, h, smooth = np.empty(columns), np.empty(columns), np.empty(columns)
     tension, borne, moved = np.empty(columns), np.empty(columns), np.empty(columns)
@@ -58,11 +58,13 @@ def servo_loops(
         if skip > 0:
             held[j] = max(np.searchsorted(stamp, stamp[skip - 1] - delay[j], side="right") - 1, 0)
     rubs, cogs = np.any(rub != 0.0), np.any(cogging[0] != 0.0)
-    leads, strains = np.any(limits[0] < np.inf), np.any(limits[1] < np.inf)
+    quickest, ramp = limits[0], limits[4]
+    led_to = np.minimum(quickest, ramp) < np.inf
+    leads, strains = np.any(led_to), np.any(limits[1] < np.inf)
     dries = np.any(limits[2] != 0.0)
     for j in range(columns):
-        if led[j] != led[j] and limits[0, j] < np.inf:
-            led[j] = phi[j] + v[j] / kp[j]
+        if led[j] != led[j] and led_to[j]:
+            led[j], pace[j] = phi[j] + v[j] / kp[j], v[j]
     for k in range(skip, skip + len(out)):
         span = min(stamp[k] - stamp[k - 1], LONGEST) if k > 0 else 0.0
         most, zones = 0, False
@@ -116,9 +118,12 @@ def servo_loops(
                 error, mix = asked[row], mixed[row]
                 if leads:
                     for j in range(columns):
-                        if limits[0, j] < np.inf and i < substeps[j]:
+                        if led_to[j] and i < substeps[j]:
                             came = led[j]
-                            led[j] = towards(came, error[j], limits[0, j] * h[j])
+                            if ramp[j] < np.inf:
+                                led[j], pace[j] = led_on(came, pace[j], error[j], quickest[j], ramp[j], h[j])
+                            else:
+                                led[j] = towards(came, error[j], quickest[j] * h[j])
                             error[j] = 0.5 * (came + led[j])
                             first_of[row, j] = -1
                 if mix:

@@ -84,7 +84,8 @@ class Plant:
         environments = self._shape[0]
         self._servo, self._wire = Servo(self.model, environments, True), Wire(self.model, environments)
         self._arm, self._time = self.model.loaded_arm(), 0.0
-        self._loop = [np.full(self._shape[1], n) for n in (self._arm.kp, self._arm.tau_v, *self._tops)]
+        tops = np.where(self._servo.ramp[: self._shape[1]] < np.inf, np.inf, self._tops)
+        self._loop = [np.full(self._shape[1], n) for n in (self._arm.kp, self._arm.tau_v, *tops)]
         self._gearbox, self._velocity, self._theta = (np.zeros(self._shape) for _ in range(3))
         self._total = np.full(self._shape, np.nan)
         self._anew = np.zeros(environments, bool)

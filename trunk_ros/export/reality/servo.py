@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 
+from trunk_ros.arm.arm import STEP
 from trunk_ros.arm_model import ArmModel
 from trunk_ros.compiled import Array, compiled
 from trunk_ros.effects.core import up_and_down
 from trunk_ros.effects.effect import Effect
 from trunk_ros.effects.filters import lag_step, oscillator
+from trunk_ros.effects.servo.speed import led_on
 from trunk_ros.effects.wire.play import SharpPlay
 from trunk_ros.export.reality.blocks import Block, core_of
 from trunk_ros.export.reality.past import Past
@@ -37,7 +39,8 @@ class Servo:
         def spread(values: Array) -> Array:
             return np.tile(np.broadcast_to(values, len(arm.joints)), environments)
 
-        nominal = np.where(core.uneven == 0.0, np.inf, arm.v_max)  # what is even is the simulator's matter
+        even = (core.uneven == 0.0) & (core.ramp == np.inf)  # top speeds that are the simulator's matter
+        nominal = np.where(even, np.inf, arm.v_max)
         top = np.where(np.isfinite(core.v_max), core.v_max, nominal)
         led = np.ravel(core.quickest)
         ways = up_and_down(top, core.uneven)
@@ -56,7 +59,8 @@ class Servo:
         self.windup = np.broadcast_to(np.ravel(core.windup), len(arm.joints))
         """(joints,) rad/s, likewise."""
         self.beside: Array = np.zeros(columns)
-        limited = core.bounded or bool(np.isfinite(led).any())
+        self.ramp, self.pace = spread(np.ravel(core.ramp)), spread(np.minimum(np.ravel(top), led))
+        limited = core.bounded or bool(np.isfinite(np.minimum(led, core.ramp)).any())
         self.passes = not (self.blocks or limited)
         self.gain = spread(core.kp)
         self.kp = spread(np.asarray(arm.kp))
@@ -72,6 +76,8 @@ class Servo:
         self.early = spread(core.feedforward) / (self.gain * self.kp)
         self.asked: Array | None = None
         self.before: Array | None = None
+        self.profile: Array | None = None
+        """(2, columns) rad and rad/s: how far each drive leads its shaft now, and how fast."""
         self.low: Array = np.zeros(columns)
         self.stuck: Array | None = None
 
@@ -93,7 +99,7 @@ class Servo:
             self.before[columns] = self.low[columns] = x[columns]
             if self.swing is not None:
                 self.swing[:, columns] = np.stack([x, x, 0.0 * x])[:, columns]
-        shaped = self._shaped(x, scene.dt)
+        shaped = self._shaped(self._led(x, scene.dt, columns), scene.dt)
         x = self._fed(shaped, scene.dt, columns).reshape(shape)
         core = core_of(x)
         for block in self.blocks:
@@ -118,6 +124,18 @@ class Servo:
         before = x if self.asked is None else self.asked if anew is None else np.where(anew, x, self.asked)
         self.asked = x.copy()
         return x + self.early * (x - before) / dt
+
+    def _led(self, x: Array, dt: float, anew: np.ndarray | None) -> Array:
+        """Along profiles to the commands; between two steps of them as far as in the middle."""
+        if dt <= 0.0 or not np.isfinite(self.ramp).any():
+            return x
+        if self.profile is None:
+            self.profile = np.stack([x, 0.0 * x])
+        elif anew is not None:
+            self.profile[:, anew] = np.stack([x, 0.0 * x])[:, anew]
+        out = np.empty_like(x)
+        lead_commands(x, dt, self.pace, self.ramp, self.profile, out)
+        return out
 
     def _shaped(self, x: Array, dt: float) -> Array:
         """No faster than the top speed, and K'/K + (1 - K'/K) lag of 1/K' in the place of what K leaves."""
@@ -167,6 +185,22 @@ class Servo:
             self.stuck = np.where(anew, flat[0], self.stuck)
         out, self.stuck = SharpPlay().run(flat, zone.reshape(1, -1), self.stuck)
         return out.reshape(x.shape)
+
+
+@compiled
+def lead_commands(x: Array, dt: float, most: Array, ramp: Array, profile: Array, out: Array) -> None:
+    """Commands (columns,) that a drive goes to along a ``profile`` (2, columns), as ``led_on`` has it."""
+    steps = max(int(np.ceil(dt / STEP - 1e-9)), 1)
+    for j in range(len(x)):
+        out[j] = x[j]
+        if ramp[j] < np.inf:
+            led, pace, total = profile[0, j], profile[1, j], 0.0
+            for _ in range(steps):
+                came = led
+                led, pace = led_on(led, pace, x[j], most[j], ramp[j], dt / steps)
+                total += 0.5 * (came + led)
+            out[j] = total / steps
+            profile[0, j], profile[1, j] = led, pace
 
 
 @compiled
