@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -38,17 +39,21 @@ Beside = tuple["Further", Array, float]
 """What a drive does besides, what is fitted of it and its loop, and what is left of its squared residual."""
 
 
-def beside_more(loop: Loop, numbers: Array, cost: float) -> Beside:
-    """A loop beside what else its drive does, one thing after the other while that leaves clearly less. With
-    its own ``numbers`` (5,), which leave a ``cost``, beside nothing where nothing does.
+def beside_more(loop: Loop, numbers: Array, cost: float, others: Iterable[Beside]) -> Beside:
+    """A loop beside what else its drive does: as the ``others`` of its arm where that explains all, or one
+    thing after the other while that leaves clearly less. With its own ``numbers`` (5,), which leave a
+    ``cost``, beside nothing where nothing does.
     """
+    best, at = Further(loop, ()), loop.at(numbers)[: 5 if numbers[-1] else 4]
+    alike = like_others((best, at, cost), others)
+    if is_explained(loop, alike[2]):
+        return alike
     begin = Starts(loop.context, loop.context.known, [loop.column])
     sizes = dict[Part, list[float]]()
     for kind in filter(_is_further, usable(loop.context)):
         for start in begin.on(kind, kind.apart, loop.column):
             rest = {name: value for name, value in start.items() if name != _lead(kind).name}
             sizes.setdefault(Part(kind, tuple(rest.items())), []).append(float(start[_lead(kind).name]))
-    best, at = Further(loop, ()), loop.at(numbers)[: 5 if numbers[-1] else 4]
     most = moving([view.span for view in loop.context.views], loop.column)
     part_of_it = replace(loop, context=loop.context.over(most)) if most else loop
     while sizes and not is_explained(loop, cost):
@@ -73,7 +78,9 @@ def like_others(own: Beside, others: Iterable[Beside]) -> Beside:
     if is_explained(further.loop, cost):
         return own
     each = (
-        (there := Further(further.loop, other.parts), there.fitted(at, rough=True)) for other, at, _ in others
+        (there := Further(further.loop, other.parts), there.fitted(at, rough=True))
+        for other, at, _ in others
+        if other.parts and other is not further
     )
     there, near = min(each, key=lambda one: cost_of(one[1]), default=(further, None))
     if near is None:
@@ -171,13 +178,13 @@ class Further:
         """The best fit from one on, from where its top speed is reached as well, and by the delay; with what
         the drive may be told of the setpoint's speed where much is left without.
         """
-        reached = best.x.copy()
+        reached, roughly = best.x.copy(), partial(self.fitted, rough=True)
         reached[2] = np.log(fastest_of(self.loop.context, self.loop.column))
-        best = in_its_valley(min(best, self.fitted(reached), key=cost_of), self.fitted)
+        best = self.fitted(in_its_valley(min(best, roughly(reached), key=cost_of), roughly).x)
         if is_explained(self.loop, 2.0 * cost_of(best)) or len(best.x) - len(self.parts) > 4:
             return best
-        told = (self.fitted(np.insert(x, 4, share)) for x in (best.x, reached) for share in FED)
-        nearest = in_its_valley(min(told, key=cost_of), self.fitted)
+        told = (roughly(np.insert(x, 4, share)) for x in (best.x, reached) for share in FED)
+        nearest = self.fitted(in_its_valley(min(told, key=cost_of), roughly).x)
         return nearest if CLEARLY**2 * nearest.cost < best.cost else best
 
     def numbers(self, x: Array) -> Array:

@@ -194,10 +194,9 @@ def _with_further(model: Model, recordings: Sequence[Recording]) -> Model:
     for context, column, joint in moved(model, recordings):
         loop, left = _at(context, column, numbers[:, joint])
         if not is_explained(loop, left) and not clipped(context, column):
-            found[joint] = beside_more(replace(loop, pulled=()), numbers[:, joint], left)
-    some = [one for one in found.values() if one[0].parts]
+            found[joint] = beside_more(replace(loop, pulled=()), numbers[:, joint], left, found.values())
     for joint, own in found.items():
-        further, at, _ = like_others(own, (one for one in some if one is not own))
+        further, at, _ = like_others(own, found.values())
         numbers[:, joint] = further.numbers(at) if further.parts else numbers[:, joint]
     return _with(model, numbers)
 
