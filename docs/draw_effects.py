@@ -43,6 +43,7 @@ LARGER: dict[str, dict[str, float]] = {  # where the usual size would hardly be 
     "setpoint_rate": {"rate": 0.5},
     "acceleration_limit": {"acceleration": 4.0},
     "motor_friction": {"friction": 0.03},
+    "setpoint_profile": {"acceleration": 2.0},
     "hard_stop": {"upper": 0.2},
     "thermal_drift": {"time_constant": 15.0},
     "viscoelastic_creep": {"time_constant": 2.0},

@@ -20,6 +20,7 @@ from trunk_ros.effects import effect
         ("integral_action", "ki", 15.0),
         ("motor_friction", "friction", 0.004),
         ("acceleration_limit", "acceleration", 8.0),
+        ("setpoint_profile", "acceleration", 6.0),
     ],
 )
 def test_a_loop_is_found_beside_what_its_drive_does_besides(effect: str, parameter: str, size: float) -> None:

@@ -50,6 +50,7 @@ TABLE: dict[str, tuple[str, str, dict[str, str], set[str]]] = {
     "setpoint_floor": ("servo", "posture", {"lower": "rad"}, set()),
     "setpoint_rate": ("servo", "high_speed", {"rate": "rad/s"}, set()),
     "acceleration_limit": ("servo", "high_speed", {"acceleration": "rad/s^2"}, {"acceleration"}),
+    "setpoint_profile": ("servo", "high_speed", {"acceleration": "rad/s^2"}, {"acceleration"}),
     "motor_friction": ("servo", "reversal", {"friction": "rad"}, {"friction"}),
     "integral_action": ("servo", "high_speed", {"ki": "1/s^2"}, {"ki"}),
     "load_droop": ("servo", "posture", {"gain": "rad/(N*m)"}, {"gain"}),

@@ -34,9 +34,10 @@ TIED = {
 # Sizes of a zone are tried, as the motion hardly changes smoothly with it; levels hide within the dead band.
 TRIED = {"unknown_dead_zone", "unknown_slips"}
 
-ABLE = {
-    "acceleration_limit": {"acceleration": 5.0}
-}  # below that its loop swings on after each of these moves
+ABLE = {  # below that its loop swings on after each of these moves, and its profile falls behind them
+    "acceleration_limit": {"acceleration": 5.0},
+    "setpoint_profile": {"acceleration": 5.0},
+}
 
 
 @dataclass(frozen=True)

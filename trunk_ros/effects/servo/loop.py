@@ -17,7 +17,7 @@ LONGEST = 30.0  # s without a new setpoint, after which a servo stands
 
 def fresh(angle: Array, speed: Array | float = 0.0) -> Array:
     """State (7, columns) of loops as a run begins, with wires that bear nothing that is known, and drives of
-    which it is not known how far their own setpoint has come, and how fast it moves, and what their integral part holds.
+    which it is not known how far their own setpoint has come, how fast, and what their integral part holds.
     """
     none = np.zeros_like(angle)
     return np.stack([angle, speed + none, angle, *(none + np.nan for _ in range(4))])
@@ -64,16 +64,16 @@ def servo_loop(
     ``setpoint`` (m, columns) and ``stamp`` (m,) start with the ``skip`` past rows that a delay may need, and
     may go on beyond ``out`` (n, columns), for delays below 0; ``state`` (7, columns) is angle, speed, where
     the wire stuck, what the load pulled, how far the drive's own setpoint came, how fast, and what the
-    integral part asks for (NaN: the run begins) at row ``skip - 1``. The numbers of the loop (1 or n, columns), ``cogging``
-    (3, likewise), ``limits`` (5, likewise) of how fast the drive moves its own setpoint on, of how fast the
-    speed changes, the error that the motor's dry friction holds, how far beyond its top speed the loop
-    sums up, and how fast the speed of the drive's own setpoint changes; ``reach``
-    (columns,). A wire that slides holds the shaft back by ``rub``, from ``reach`` beyond where it stuck, no less than ``rub``: the loop would be stiffer than its gain. A wire that sticks keeps
-    its tension: a ``load`` (rad of the setpoint) that changes meanwhile only brings it nearer to sliding.
-    Between two rows the mean of their loads acts. Of what wires pull the share ``torque`` acts past the top
-    speed that the position loop may ask for, the rest before it. Its integral part, of the gain ``ki``, sums
-    up neither what they pull nor what setpoints are fed ``beside`` (m or 0, columns): it makes up for the
-    one, and does not know of the other.
+    integral part asks for (NaN: the run begins) at row ``skip - 1``. The numbers of the loop (1 or n,
+    columns), ``cogging`` (3, likewise), ``limits`` (5, likewise) of how fast the drive moves its own setpoint
+    on, of how fast the speed changes, the error that the motor's dry friction holds, how far beyond its top
+    speed the loop sums up, and how fast the speed of the drive's own setpoint changes; ``reach`` (columns,).
+    A wire that slides holds the shaft back by ``rub``, from ``reach`` beyond where it stuck, no less than
+    ``rub``: the loop would be stiffer than its gain. A wire that sticks keeps its tension: a ``load`` (rad of
+    the setpoint) that changes meanwhile only brings it nearer to sliding. Between two rows the mean of their
+    loads acts. Of what wires pull the share ``torque`` acts past the top speed that the position loop may ask
+    for, the rest before it. Its integral part, of the gain ``ki``, sums up neither what they pull nor what
+    setpoints are fed ``beside`` (m or 0, columns): it makes up for the one, and does not know of the other.
     ``ahead`` of a step, the loop sees its shaft go on, and the shaft has the speed that it had: 0 as the
     reference, 1/2 as one that is integrated exactly, but for the square of the step.
     Within a step that late setpoints fall into, the time-weighted mean of what each asks for acts: the result

@@ -13,7 +13,7 @@ UNLIMITED = 1e6  # rad/s^2
 
 
 class SetpointProfile(Effect):
-    """The loop goes to led: led'' = +-acceleration, |led'| <= v_max, so as to stop at the setpoint, soonest."""
+    """The loop goes to led, which stops at the setpoint soonest: led'' = +-acceleration, |led'| <= v_max."""
 
     id = "setpoint_profile"
     stage, place, regime = "servo", 100, "high_speed"

@@ -90,8 +90,8 @@ def core_of(like: Array) -> Core:
         nominal_width=zero, width=zero, middle=zero, pull=zero, load=zero, torque=0.0 * one,
         rub=0.0 * one, dead_zone=zero, kp=one,
         tau_v=one, v_max=one * np.inf, uneven=0.0 * one, delay=one * 0.0,
-        feedforward=one * 0.0, cogging=np.zeros((3, 1, 1)), quickest=one * np.inf, ramp=one * np.inf, hardest=one * np.inf,
-        dry=one * 0.0, ki=one * 0.0, windup=one * 0.0,
+        feedforward=one * 0.0, cogging=np.zeros((3, 1, 1)), quickest=one * np.inf, ramp=one * np.inf,
+        hardest=one * np.inf, dry=one * 0.0, ki=one * 0.0, windup=one * 0.0,
     )  # fmt: skip
 
 
