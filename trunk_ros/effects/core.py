@@ -93,7 +93,7 @@ class Core:
 
     @property
     def tops(self) -> tuple[Array, Array]:
-        """(1 or n, columns) rad/s: the top speeds of the loop upwards and downwards; behind a profile none."""
+        """(1 or n, columns) rad/s: the top speeds of the loop upwards and downwards; behind profiles none."""
         return up_and_down(np.where(self.ramp < np.inf, np.inf, self.v_max), self.uneven)
 
     @property
