@@ -146,8 +146,7 @@ def _step(
 ) -> None:
     """Step the loops, side by side where that pays."""
     reached = np.where(core.rub.any(axis=0), np.maximum(core.reach, np.abs(core.rub).max(axis=0)), 0.0)
-    least = SEVERAL if core.rub.any() or core.cogging.any() else 2 * SEVERAL
-    edges = _changes(core, len(out)) if out.shape[1] >= least else []
+    edges = _changes(core, len(out)) if out.shape[1] >= SEVERAL else []
     if not edges:
         cogging = np.stack(np.broadcast_arrays(core.cogging, *core.teeth))
         numbers = core.kp, core.tau_v, *core.tops, core.delay, core.pull, core.load, core.torque, core.rub
