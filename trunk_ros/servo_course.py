@@ -12,7 +12,7 @@ from trunk_ros.arm.arm import STEP
 from trunk_ros.arm_model import HELD, ArmModel
 from trunk_ros.chain import Chain
 from trunk_ros.recording.recording import Floats, JointSeries, Recording
-from trunk_ros.recording.signal.encoder import HIDDEN, MEDIAN_TO_STD, ON_GRID
+from trunk_ros.recording.signal.encoder import HIDDEN, ON_GRID, scatter
 from trunk_ros.recording.signal.fill import between, fill, hold
 from trunk_ros.recording.signal.gaps import bridged
 from trunk_ros.recording.signal.resample import SAME, joint_grid, resample, stops_to_measure
@@ -122,10 +122,10 @@ def as_the_servo_went(
 
 def _off(apart: Floats, step: float) -> np.ndarray:
     """(n,) near which a course is not that of the readings, which are ``apart`` from it (n,); noise has no
-    course of its own.
+    course of its own, and what goes on from sample to sample is none: a servo that stops short is not there.
     """
     rounded = (np.abs(apart) <= (0.5 + ON_GRID) * step) & (step > 0.0)
-    noise = float(np.median(np.abs(np.diff(apart)))) * MEDIAN_TO_STD / np.sqrt(2.0)
+    noise = scatter(apart)
     drifts = np.abs(uniform_filter1d(apart, AGREES)) > DRIFT * noise
     noisy = ~drifts & (np.abs(apart) < WILD * noise) & (noise > HIDDEN * step)
     return np.asarray(maximum_filter1d(~(rounded | noisy), AGREES))

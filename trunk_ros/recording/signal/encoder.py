@@ -71,10 +71,10 @@ def noises(series: JointSeries) -> Floats:
     """
     if len(series.stamp) < CALM or stops_to_measure(series.stamp):
         return np.zeros(len(series.joints))
-    return np.array([_noise(readings) for readings in fill(series.position).T])
+    return np.array([scatter(readings) for readings in fill(series.position).T])
 
 
-def _noise(readings: Floats) -> float:
+def scatter(readings: Floats) -> float:
     """That of one joint (n,)."""
     fourth = np.diff(readings, 4)
     signs = np.sign(fourth)
