@@ -40,6 +40,8 @@ class Parameter:
     """The name under which the arm's description may state it for each joint."""
     slide: str = ""
     """Its unit where a joint's position is in m, of what does not follow from ``unit``: a phase stays one."""
+    untold: str = ""
+    """What is said where what has an option does without it, and the data are as well explained with it."""
     moment: bool = False
     """A time at which something happens: a fit sees only what lies next to it, so it is looked for."""
 

@@ -11,6 +11,7 @@ from trunk_ros.diagnosis.evidence.cross_validation import Error
 from trunk_ros.diagnosis.evidence.rivals import FAR, Looks, by_its_own_angles, loss, rivals
 from trunk_ros.diagnosis.evidence.sets import pairs
 from trunk_ros.diagnosis.evidence.unseen import unrepeated
+from trunk_ros.diagnosis.evidence.without_options import untold
 from trunk_ros.diagnosis.hypothesis import Hypothesis
 from trunk_ros.diagnosis.resources.cores import each
 from trunk_ros.diagnosis.resources.work import Work
@@ -41,6 +42,8 @@ class Evidence:
     fitted: dict[str, Hypothesis] = field(default_factory=dict)
     """The hypothesis with each rival in its place."""
     equivalents: list[str | list[str]] = field(default_factory=list)
+    untold: list[str] = field(default_factory=list)
+    """Options that it is without, though the data are explained as well with them."""
     confidence: float = 0.0
 
     @property
@@ -150,6 +153,7 @@ def one_evidence(state: Fit, name: str) -> Evidence:
         ]
         out.equivalents = [*alone, *said][:EQUIVALENTS]
         losses += [lost + out.asked for lost in both.values()]  # a second effect has its price
+        out.untold = untold(state, name, limit)
     out.confidence = likely(limit or 1.0, sum(gain.values()), losses)
     return out
 

@@ -59,6 +59,7 @@ def _finding(context: Context, term: Term, found: Evidence, std: Spreads, told: 
     kind = effect(term.effect)
     joints = [context.joints[c] for c in _touched(context, kind, term)]
     where, parameters = ", ".join(joints) if joints else "the arm", {}
+    untold = [option for option in found.untold if option not in term.shared]
     if issubclass(kind, Curve):
         variable = curve_words.variable_of(term, term.columns[0])
         varies, regime = [*kind.also, *words_of(variable)], curve_words.regime_of(kind, variable)
@@ -72,6 +73,7 @@ def _finding(context: Context, term: Term, found: Evidence, std: Spreads, told: 
         parameters = _parameters(context, kind, term, std)
         varies, regime = _varies_with(kind, term), kind.regime
         statement, curve = statement_of(kind.title(term.form), where, parameters), {}
+        statement = " ".join([statement, *(kind.parameter(one).untold for one in untold)])
     return Finding(
         effect=term.effect if kind.named else UNKNOWN,
         stage=kind.stage,
@@ -90,6 +92,7 @@ def _finding(context: Context, term: Term, found: Evidence, std: Spreads, told: 
             gain={context.joints[c]: g for c, g in found.gain.items()},
             rivals=found.rivals,
             form=term.form,
+            untold=untold,
             **asdict(told),
         ),
         curve=curve,

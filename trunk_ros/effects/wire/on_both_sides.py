@@ -19,6 +19,8 @@ HELD = "held"
 UPSTREAM = Parameter(
     "upstream", "1", (0.0, 1.0), "share of the stretch that lies between gearbox and friction", typical=0.5,
     shared=True, optional=True, scan=(0.2, 0.5, 1.0),
+    untold="Whether it gives way behind its friction, as model.yaml has it, or before it, these data do not "
+    "tell: for that a load has to change, as other joints move, while this motor stands.",
 )  # fmt: skip
 
 
