@@ -246,7 +246,7 @@ def first_that_pays(best: Fit, moves: Sequence[Move], desk: Desk) -> tuple[Move,
             trials = _as_many_as_may_be(group, best)
             found = min(trials, key=score, default=best)
             for trial in (_plainest(found, trials, best, desk), found):
-                if desk.pays(score(best) - score(trial), best) and _is_new(trial, best, desk):
+                if desk.pays(score(best) - score(trial), best) and _is_new(move, trial, best, desk):
                     return move, trial
             desk.puts_aside(move, found, best)
             if not best.context.work.over:  # else not all was tried
@@ -291,10 +291,12 @@ def _includes(fit: Fit, other: Fit) -> bool:
     return len(more) == 1 and len(less) in (1, 2) and bool(less & {*effect(*more).replaces})
 
 
-def _is_new(trial: Fit, best: Fit, desk: Desk) -> bool:
-    """Whether the search has not stood on a structure, or not as well: new noise could lead it in circles."""
+def _is_new(move: Move, trial: Fit, best: Fit, desk: Desk) -> bool:
+    """Whether the search has not stood on a structure, or not as well: new noise could lead it in circles. An
+    exchange that ends where it began has exchanged nothing: what it gains is what fits leave to each other.
+    """
     there = structure(trial.hypothesis)
     if there == structure(best.hypothesis):
-        return True
+        return not move.descends
     before = desk.been.get((there, best.context.claims))
     return before is None or beats(trial, costed(trial.context, before))
