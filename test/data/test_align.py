@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from scipy.interpolate import PchipInterpolator
 
-from test.diagnosis.arms import diagnose, on, recorded
+from test.diagnosis.arms import diagnose, of_joints, of_the_wires, on, recorded
 from trunk_ros.chain import Chain
 from trunk_ros.data import surroundings
 from trunk_ros.data.align import servo_span, wire_span
@@ -168,13 +168,13 @@ def test_what_is_found_on_some_joints_is_a_model_of_the_whole_arm() -> None:
     recording = recorded({"backlash": {"half_width": on(2, 8e-4)}}, 15.0)
     two = recording.series["gearbox_states"].select(("joint_1", "joint_2"))
     recording = replace(recording, series={**recording.series, "gearbox_states": two})
-    model = diagnose([recording]).model
+    model = diagnose([of_the_wires(recording)]).model
     assert model.effects["backlash"]["half_width"] == pytest.approx(on(2, 8e-4), abs=5e-5)
     assert simulate(recorded(seconds=5.0), model).series["joint_states"].joints == model.arm.joints
 
 
 def test_recordings_of_one_name_keep_a_quality_each() -> None:
-    result = diagnose([recorded(seconds=10.0), recorded(seconds=8.0, seed=4)])
+    result = diagnose([of_two(of_the_wires(recorded(seconds=5.0, seed=seed))) for seed in (0, 4)])
     assert list(result.quality) == ["made", "made (2)"]
 
 
@@ -254,7 +254,7 @@ def test_the_tip_is_not_compared_with_joint_angles_that_were_not_recorded() -> N
 def test_a_late_joint_sensor_is_not_blamed_on_the_arm() -> None:
     true = with_tip(recorded(seconds=15.0, noise=1e-6))
     late = recorded({"sensor_delay": {"delay": 0.02}}, 15.0)
-    result = diagnose([replace(late, tip=true.tip)])
+    result = diagnose([of_the_wires(replace(late, tip=true.tip))])
     assert [(f.effect, f.stage) for f in result.findings] == [("sensor_delay", "wire")]
 
 
@@ -310,8 +310,7 @@ def test_what_is_lost_in_bursts_hides_nothing_and_adds_nothing() -> None:
 
 def of_two(recording: Recording) -> Recording:
     """The first two joints alone."""
-    series = {key: each.select(("joint_1", "joint_2")) for key, each in recording.series.items()}
-    return replace(recording, series=series)
+    return of_joints(recording, "joint_1", "joint_2")
 
 
 def stopping(recording: Recording) -> Recording:

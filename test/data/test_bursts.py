@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from test.diagnosis.arms import diagnose, recorded
+from test.diagnosis.arms import diagnose, of_the_wires, recorded
 from trunk_ros.compiled import Array
 from trunk_ros.data.bursts import bursts
 from trunk_ros.recording.recording import Recording
@@ -55,7 +55,7 @@ def test_one_burst_that_falls_on_a_motion_is_one() -> None:
 def test_what_is_small_beside_a_burst_is_seen_and_a_burst_is_nothing(gain: float) -> None:
     """In the mean over all of it the noise would be five times as large as what is there."""
     effects = {"ratio_error": {"relative": np.array([0.0, 0.0, gain, 0.0, 0.0])}} if gain else {}
-    found = diagnose([_with_burst(recorded(effects, seconds=40.0), 2e-3)])
+    found = diagnose([_with_burst(of_the_wires(recorded(effects, seconds=40.0)), 2e-3)])
     assert [(f.effect, f.joints) for f in found.findings] == ([("ratio_error", ["joint_3"])] if gain else [])
     (seen,) = (o for quality in found.quality.values() for o in quality["observed"])
     assert seen["kind"] == "burst"

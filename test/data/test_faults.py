@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from test.diagnosis.arms import NOISE, TRUNK, diagnose, on, recorded, reshaped
+from test.diagnosis.arms import NOISE, TRUNK, diagnose, of_the_wires, on, recorded, reshaped
 from trunk_ros.chain import Chain
 from trunk_ros.compiled import Array
 from trunk_ros.data.sensor_faults import all_that_sticks, dead, sticks, strays, without_faults
@@ -14,7 +14,7 @@ from trunk_ros.diagnosis import Diagnosis
 
 def faulty(position: Array) -> Diagnosis:
     """Of an arm with a dead band that is too narrow in the model, by other joint readings."""
-    return diagnose([reshaped(recorded(LOOSE, 40.0), "joint_states", position=position)])
+    return diagnose([reshaped(of_the_wires(recorded(LOOSE, 40.0)), "joint_states", position=position)])
 
 
 LOOSE = {"backlash": {"half_width": on(2, 8e-4)}}

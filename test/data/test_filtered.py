@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy.signal import butter, lfilter, sosfilt, sosfiltfilt
 
-from test.diagnosis.arms import SHORT, diagnose, recorded, reshaped
+from test.diagnosis.arms import SHORT, diagnose, of_joints, of_the_servos, of_the_wires, recorded, reshaped
 from trunk_ros.data.put_right import as_diagnosed, put_right
 from trunk_ros.data.sensing.filtered import Filtered, filtered
 from trunk_ros.evaluate.score import score
@@ -128,8 +128,10 @@ def test_unfiltered_recordings_stay_as_they_are() -> None:
 
 def test_a_clean_arm_whose_readings_were_filtered_has_no_mismatch(clean: Recording) -> None:
     """It had been unexplained, hundreds of times the noise."""
-    result = diagnose(clean, SHORT)
-    assert result.verdict == "no_mismatch"
+    servo = diagnose(of_joints(of_the_servos(clean), "joint_2"), SHORT)
+    result = diagnose(of_the_wires(clean), SHORT)
+    assert servo.verdict == result.verdict == "no_mismatch"
+    assert servo.stages["servo"]["compared"]
     floors = [joint["noise_floor"] for joint in result.stages["wire"]["joints"].values()]
     np.testing.assert_allclose(floors, STD, rtol=0.25)
     (told,) = (seen for seen in result.quality[clean.name]["observed"] if seen["kind"] == "filtered")

@@ -236,7 +236,7 @@ def test_what_is_mixed_up_is_left_out_and_the_rest_stays(good: Recording) -> Non
 
 def test_mixed_up_joints_are_not_diagnosed_and_the_verdict_says_why(good: Recording) -> None:
     swapped = good.series["joint_states"].position[:, [0, 3, 2, 1, 4]]
-    told = diagnose([reshaped(good, "joint_states", position=swapped)])
+    told = diagnose([reshaped(of_the_wires(good), "joint_states", position=swapped)])
     assert told.verdict != "explained"
     assert not any({"joint_2", "joint_4"} & set(finding.joints) for finding in told.findings)
     assert "look swapped" in told.unexplained[0].statement
@@ -248,7 +248,7 @@ def test_what_a_mixed_up_joint_does_to_others_is_not_named() -> None:
     """The gain of the other joint had come out with the wrong sign, and was in model.yaml."""
     turned = np.array([1.0, -1.0, 1.0])
     gains = {"gain": [0.0, 0.0, 0.02], "source": ["", "", "joint_2"]}
-    made = of_the_wires(recorded({"joint_coupling": gains}, 20.0, nominal=SHORT))
+    made = of_the_wires(recorded({"joint_coupling": gains}, 12.0, nominal=SHORT))
     told = diagnose([scaled(made, "joint_states", turned)], SHORT)
     assert "turn" in told.unexplained[0].statement
     assert [finding.named for finding in told.findings] == [False]
@@ -256,7 +256,7 @@ def test_what_a_mixed_up_joint_does_to_others_is_not_named() -> None:
 
 
 def test_degrees_end_in_no_finding_and_in_a_report_that_says_so(good: Recording, tmp_path: Path) -> None:
-    told = diagnose([scaled(good, "joint_states", PER_RADIAN)])
+    told = diagnose([scaled(of_the_wires(good), "joint_states", PER_RADIAN)])
     assert told.verdict == "unexplained"
     assert [f for f in told.findings if f.stage == "wire"] == []
     write(told, tmp_path / "report.html")

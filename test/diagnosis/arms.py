@@ -82,6 +82,11 @@ def reshaped(recording: Recording, key: str, **changes: Any) -> Recording:
     return replace(recording, series={**recording.series, key: replace(recording.series[key], **changes)})
 
 
+def of_joints(recording: Recording, *joints: str) -> Recording:
+    """The same of some joints alone, where no other one matters."""
+    return replace(recording, series={name: s.select(joints) for name, s in recording.series.items()})
+
+
 def of_the_wires(recording: Recording) -> Recording:
     """The same without setpoints: servos are not compared, which takes a quarter of the time."""
     return replace(recording, series={k: v for k, v in recording.series.items() if k != "setpoints"})

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
-from test.diagnosis.arms import diagnose, on, recorded, setpoints_of
+from test.diagnosis.arms import diagnose, of_the_wires, on, recorded, setpoints_of
 from test.effects.example import in_plane
 from trunk_ros.chain import Chain
 from trunk_ros.diagnosis.tip.judged import fitted_tip, judged_tip
@@ -160,7 +160,7 @@ def test_a_tilt_that_only_the_model_has_is_found_and_goes() -> None:
 
 
 def test_the_new_model_has_the_tilt_of_the_recording_and_not_that_of_the_old_one() -> None:
-    recording = recorded(seconds=15.0)
+    recording = of_the_wires(recorded(seconds=15.0))
     joints = recording.series["joint_states"]
     tip = in_plane(TRUNK.arm.tip(joints.position))
     tip += NOISE * np.random.default_rng(1).normal(size=tip.shape)
@@ -170,7 +170,7 @@ def test_the_new_model_has_the_tilt_of_the_recording_and_not_that_of_the_old_one
 
 
 def test_what_the_model_has_of_the_arm_stays_where_no_tip_was_recorded() -> None:
-    result = diagnose([recorded(seconds=15.0)], model=replace(TRUNK, effects=TILT))
+    result = diagnose([of_the_wires(recorded(seconds=10.0))], model=replace(TRUNK, effects=TILT))
     assert result.model.effects["base_tilt"] == TILT["base_tilt"]
 
 

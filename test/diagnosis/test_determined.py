@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from test.diagnosis.arms import diagnose, on, recorded
+from test.diagnosis.arms import diagnose, of_the_wires, on, recorded
 from trunk_ros.data.align import wire_span
 from trunk_ros.diagnosis.evidence.determined import AtBound, Determined, Place, correlation, determined
 from trunk_ros.diagnosis.evidence.evidence import UNNAMED
@@ -95,6 +95,6 @@ def test_a_size_that_all_joints_share_has_one_bound() -> None:
 
 
 def test_a_diagnosis_says_both_of_each_finding() -> None:
-    (finding,) = diagnose(recorded({"ratio_error": {"relative": on(2, 0.02)}}, 20.0)).findings
+    (finding,) = diagnose(of_the_wires(recorded({"ratio_error": {"relative": on(2, 0.02)}}, 10.0))).findings
     assert finding.evidence["at_bound"] == []
     assert all(abs(one["value"]) >= 0.9 for one in finding.evidence["correlations"])

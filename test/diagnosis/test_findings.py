@@ -9,18 +9,18 @@ from typing import Any, cast
 import numpy as np
 import pytest
 
-from test.diagnosis.arms import diagnose, recorded, reshaped
+from test.diagnosis.arms import SHORT, diagnose, of_the_wires, recorded, reshaped
 from trunk_ros.diagnosis.hypothesis import Term
 from trunk_ros.diagnosis.verdict.findings import _parameters, settled, statement_of, value_of
 from trunk_ros.effects import effect
 
 
 def test_a_curve_over_a_sliding_joint_is_in_metres() -> None:
-    recording = recorded(seconds=20.0)
+    recording = of_the_wires(recorded(seconds=20.0, nominal=SHORT))
     position = recording.series["joint_states"].position.copy()
     position[:, 2] += 1e-3 * np.exp(-0.5 * ((position[:, 2] - 0.05) / 0.05) ** 2)
     recording = reshaped(recording, "joint_states", position=position)
-    (found,) = diagnose([replace(recording, units={"joint_3": "m"})]).findings
+    (found,) = diagnose([replace(recording, units={"joint_3": "m"})], SHORT).findings
     assert (found.effect, found.depends_on) == ("unknown", ["position"])
     assert (found.curve["x_unit"], found.curve["y_unit"]) == ("m", "m")
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from test.diagnosis.arms import diagnose
+from test.diagnosis.arms import diagnose, of_joints
 from test.diagnosis.test_drive_limits import limited
-from test.diagnosis.test_nominal_servo import NOISE, _left, _stated, of_joints
+from test.diagnosis.test_nominal_servo import NOISE, _left, _stated
 from trunk_ros.diagnosis.servos.further import Further, Part, like_others
 from trunk_ros.diagnosis.servos.nominal_servo import moved
 from trunk_ros.diagnosis.servos.servo_loop import Loop

@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from test.diagnosis.arms import diagnose
+from test.diagnosis.arms import diagnose, of_joints
 from test.diagnosis.test_drive_limits import limited
-from test.diagnosis.test_nominal_servo import _left, _stated, of_joints
+from test.diagnosis.test_nominal_servo import _left, _stated
 
 
 @pytest.mark.parametrize("ki", [2.0, 15.0])

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from test.diagnosis.arms import diagnose
+from test.diagnosis.arms import diagnose, of_joints
 from test.test_servo import STEP, reference
 from trunk_ros.compiled import Array
 from trunk_ros.data.align import servo_span
@@ -79,11 +79,6 @@ def stiff() -> Recording:
     """One joint whose servo is nearly where it is asked to be at each moment."""
     gains = {"kp": (200.0,) * 3, "tau_v": (2e-3,) * 3}
     return of_joints(recorded_servos(PLAIN | gains, after=0.0, seconds=5.0), JOINTS[0])
-
-
-def of_joints(recording: Recording, *joints: str) -> Recording:
-    """The same of some joints alone, where no other one matters."""
-    return replace(recording, series={name: s.select(joints) for name, s in recording.series.items()})
 
 
 def _stated(**servo: object) -> Model:

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from test.diagnosis.arms import NOISE, diagnose, on, recorded
+from test.diagnosis.arms import NOISE, diagnose, of_the_wires, on, recorded
 from trunk_ros.chain import Chain
 from trunk_ros.data.align import wire_span
 from trunk_ros.diagnosis.evidence.evidence import TIED, Evidence, likely, one_evidence
@@ -118,7 +118,7 @@ def stretch(whole: Recording, begin: float, end: float) -> Recording:
 @pytest.mark.parametrize(("begin", "end"), [(1.5, 4.0), (4.5, 6.0), (7.0, 8.5), (7.0, 9.5)])
 def test_a_dead_band_is_not_ruled_out_by_a_motion_that_shows_no_reversal(begin: float, end: float) -> None:
     whole = recorded({"backlash": {"half_width": on(5, 1.6e-3)}}, 12.0, seed=3)
-    (found,) = diagnose(stretch(whole, begin, end)).findings
+    (found,) = diagnose(stretch(of_the_wires(whole), begin, end)).findings
     assert "backlash" in [found.effect, *found.equivalents]
     assert found.confidence < 0.9
 

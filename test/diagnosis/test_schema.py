@@ -9,7 +9,7 @@ from typing import Any, get_args
 import numpy as np
 import pytest
 
-from test.diagnosis.arms import on, recorded, reshaped
+from test.diagnosis.arms import PAIR, on, recorded, reshaped
 from trunk_ros.data.mix_ups.pair import Kind
 from trunk_ros.diagnosis import diagnose
 from trunk_ros.diagnosis.verdict.answer import SCHEMA
@@ -22,9 +22,11 @@ PROOF = Path(__file__).parents[2] / "proof"
 @pytest.fixture(scope="module")
 def written() -> dict[str, Any]:
     made = recorded(
-        {"backlash": {"half_width": on(2, 8e-4)}, "cogging": {"amplitude": 2e-3, "cycles_per_rev": 8.0}}, 20.0
+        {"backlash": {"half_width": on(2, 8e-4, 2)}, "cogging": {"amplitude": 2e-3, "cycles_per_rev": 8.0}},
+        12.0,
+        nominal=PAIR,
     )
-    return diagnose(made).to_json()
+    return diagnose(made, PAIR).to_json()
 
 
 def errors(content: dict[str, Any]) -> list[str]:

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from test.diagnosis import arms
-from test.diagnosis.arms import SHORT, TRUNK, of_the_servos, of_the_wires
+from test.diagnosis.arms import PAIR, SHORT, TRUNK, of_the_servos, of_the_wires
 from trunk_ros.model import Model
 from trunk_ros.recording.recording import Recording
 from trunk_ros.simulate import simulate
@@ -47,7 +47,7 @@ def test_a_payload_that_the_wires_show_bears_on_the_servo_as_well() -> None:
 @pytest.mark.parametrize(
     ("effects", "nominal", "seen"),
     [
-        ({"servo_delay": {"delay": 0.007}, "servo_bandwidth": {"relative": 0.1}}, SHORT, of_the_servos),
+        ({"servo_delay": {"delay": 0.007}, "servo_bandwidth": {"relative": 0.1}}, PAIR, of_the_servos),
         (
             {
                 "tension_error": {"factor": 1.7},
@@ -69,14 +69,14 @@ def test_effects_that_hide_each_other_are_both_named(
 ) -> None:
     """A later and a faster servo all but cancel; a tension and dead bands widen the same loops; a dead band
     that is narrower in fast motion takes a part of a delay."""
-    result = diagnose([seen(recorded(effects, 25.0, nominal=nominal))], model=nominal)
+    result = diagnose([seen(recorded(effects, 15.0, nominal=nominal))], model=nominal)
     assert {f.effect for f in result.findings} == set(effects)
     assert result.verdict == "explained"
 
 
 def test_against_another_simulator_its_prediction_is_what_is_doubted() -> None:
     truth = {"backlash": {"half_width": on(1, 1e-3)}, "zero_offset": {"offset": on(3, 2e-3)}}
-    real = of_the_wires(recorded(truth, seconds=20.0))
+    real = of_the_wires(recorded(truth, seconds=12.0))
     theirs = simulate(real, replace(SHORT, effects={"zero_offset": {"offset": on(3, 2e-3)}}))
     result = diagnose([real], against=theirs)
     assert [(f.effect, f.joints) for f in result.findings] == [("backlash", ["joint_1"])]

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
-from test.diagnosis.arms import NOISE, TRUNK, diagnose, on, recorded
+from test.diagnosis.arms import NOISE, TRUNK, diagnose, of_the_wires, on, recorded
 from test.diagnosis.search.looks import fitted
 from trunk_ros.data.align import wire_span
 from trunk_ros.data.noise import Noise
@@ -39,7 +39,7 @@ def recording_of(effects: dict[str, Any], added: Any) -> Recording:
 
 def seen(effects: dict[str, Any], added: Any) -> Diagnosis:
     """The diagnosis of it."""
-    return diagnose(recording_of(effects, added))
+    return diagnose(of_the_wires(recording_of(effects, added)))
 
 
 def wandering(rows: int, joints: int) -> np.ndarray:
