@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from test.diagnosis.arms import SHORT, diagnose, of_the_servos, setpoints_of
+from test.diagnosis.arms import PAIR, SHORT, diagnose, of_the_servos, setpoints_of
 from test.diagnosis.arms import recorded as recorded_arm
 from trunk_ros.chain import Chain
 from trunk_ros.data.sensing.thinned import thinned
@@ -18,7 +18,7 @@ from trunk_ros.recording.recording import JointSeries, Recording
 FINE = 20  # steps between setpoints
 
 
-def recorded(gain: np.ndarray, seconds: float = 30.0, read: int = 1) -> Recording:
+def recorded(gain: np.ndarray, seconds: float = 15.0, read: int = 1) -> Recording:
     """Setpoints at 100 Hz and what drives of so much of the nominal ``gain`` (joints,) make of them, ``read``
     times as often.
     """
@@ -57,7 +57,7 @@ def test_their_setpoints_came_as_they_were_recorded() -> None:
 def test_a_loop_that_is_quicker_is_no_continuous_one(relative: float, told: bool) -> None:
     """That is 1.4 ms ahead; one that is half a millisecond behind may be."""
     hidden = {"servo_bandwidth": {"relative": relative}}
-    found = diagnose([of_the_servos(recorded_arm(hidden, nominal=SHORT))], SHORT).findings
+    found = diagnose([of_the_servos(recorded_arm(hidden, nominal=PAIR))], PAIR).findings
     assert [f.effect for f in found] == (["servo_bandwidth"] if told else [])
 
 

@@ -7,7 +7,7 @@ import time
 
 import pytest
 
-from test.diagnosis.arms import SHORT, on, recorded
+from test.diagnosis.arms import PAIR, on, recorded
 from trunk_ros.diagnosis.diagnose import diagnose
 from trunk_ros.diagnosis.resources import cores
 from trunk_ros.diagnosis.resources.cores import each, on_cores
@@ -107,10 +107,10 @@ def test_what_a_process_that_was_killed_did_not_answer_is_done_again():
 
 
 def test_a_diagnosis_is_the_same_on_two_cores():
-    run = recorded({"backlash": {"half_width": on(2, 2e-3, joints=3)}}, seconds=20.0, nominal=SHORT)
-    one = diagnose([run], SHORT)
+    run = recorded({"backlash": {"half_width": on(2, 2e-3, joints=2)}}, seconds=10.0, nominal=PAIR)
+    one = diagnose([run], PAIR)
     with on_cores(2):
-        two = diagnose([run], SHORT)
+        two = diagnose([run], PAIR)
     assert [f.effect for f in one.findings] == ["backlash"]
     assert one.to_json() == two.to_json()
 

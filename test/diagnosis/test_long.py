@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from test.diagnosis.arms import diagnose, on, recorded
+from test.diagnosis.arms import PAIR, diagnose, on, recorded
 from trunk_ros.compiled import Array
 from trunk_ros.data.align import wire_span
 from trunk_ros.data.excerpt import LENGTH, LONG, PARTS, WARM, excerpt
@@ -68,11 +68,12 @@ def test_what_follows_a_gap_of_an_excerpt_does_not_count_until_it_has_been_forgo
 
 
 def test_a_jump_between_the_blocks_is_found_at_its_moment() -> None:
-    part = excerpt(wire_span(recorded(seconds=SECONDS), load_model("trunk")))
+    part = excerpt(wire_span(recorded(seconds=SECONDS, nominal=PAIR), PAIR))
     gap = int(np.argmax(np.diff(part.stamp)))
     onset = float(part.stamp[gap : gap + 2].mean())
-    made = recorded({"wire_slip": {"step": on(2, 5e-4), "onset": on(2, onset)}}, seconds=SECONDS)
-    result = diagnose([gearbox_and_joints(made)])
+    slips = {"wire_slip": {"step": on(2, 5e-4, 2), "onset": on(2, onset, 2)}}
+    made = recorded(slips, seconds=SECONDS, nominal=PAIR)
+    result = diagnose([gearbox_and_joints(made)], PAIR)
     (found,) = result.findings
     assert (found.effect, found.joints) == ("wire_slip", ["joint_2"])
     assert found.parameters["joint_2"]["onset"]["value"] == pytest.approx(onset, abs=0.5)

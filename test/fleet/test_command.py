@@ -10,7 +10,7 @@ pq = pytest.importorskip("pyarrow.parquet")
 pytest.importorskip("distributed")
 pytest.importorskip("ruptures")
 
-from test.diagnosis.arms import SHORT, of_the_wires, on, recorded  # noqa: E402
+from test.diagnosis.arms import PAIR, of_the_wires, on, recorded  # noqa: E402
 from trunk_ros.__main__ import main  # noqa: E402
 from trunk_ros.commands.fleet import _say  # noqa: E402
 from trunk_ros.fleet.inputs.listing import listed  # noqa: E402
@@ -25,8 +25,8 @@ from trunk_ros.recording.write import write_recording  # noqa: E402
 pytestmark = pytest.mark.timeout(600)
 
 
-def written(folder, effects, seed, day=0, seconds=10.0):
-    recording = of_the_wires(recorded(effects, seconds=seconds, seed=seed, nominal=SHORT))
+def written(folder, effects, seed, day=0):
+    recording = of_the_wires(recorded(effects, seconds=8.0, seed=seed, nominal=PAIR))
     write_recording(folder, replace(recording, start_ns=recording.start_ns + int(day * DAY) * 10**9))
     return folder
 
@@ -36,7 +36,7 @@ def bags(tmp_path_factory):
     """One arm whose dead band grows over five days, and a bag that is none."""
     folder = tmp_path_factory.mktemp("bags") / "<arm>"
     for k in range(5):
-        width = on(2, 4e-4 + 4e-4 * k, 3)
+        width = on(2, 4e-4 + 4e-4 * k, 2)
         written(folder / f"day_{k}", {"backlash": {"half_width": width}}, seed=k, day=k)
     (folder / "broken").mkdir()
     (folder / "broken" / "metadata.yaml").write_text("no: [yaml")
@@ -47,7 +47,7 @@ def bags(tmp_path_factory):
 def output(bags, tmp_path_factory):
     """What the command makes of them."""
     there = tmp_path_factory.mktemp("out") / "fleet"
-    save_model(SHORT, there.parent / "model.yaml")
+    save_model(PAIR, there.parent / "model.yaml")
     assert main(["fleet", str(bags), "--output", str(there), *how(there)]) == 0
     return there
 
@@ -128,7 +128,7 @@ def test_a_second_run_diagnoses_nothing_again(output, bags, monkeypatch):
 
 def test_an_effect_is_followed_to_where_it_is_too_small_to_be_found(tmp_path):
     bag = written(tmp_path / "bag", {}, seed=3)
-    row, _ = follow(str(bag), SHORT, {"backlash": {"half_width": {"joint_2": 5e-4}}})
+    row, _ = follow(str(bag), PAIR, {"backlash": {"half_width": {"joint_2": 5e-4}}})
     assert row["reason"] == ""
     [value] = row["findings"]
     assert (value["effect"], value["joint"]) == ("backlash", "joint_2")

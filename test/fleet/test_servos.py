@@ -9,7 +9,8 @@ pq = pytest.importorskip("pyarrow.parquet")
 pytest.importorskip("distributed")
 pytest.importorskip("ruptures")
 
-from test.diagnosis.test_nominal_servo import OWN, of_joints, recorded_servos  # noqa: E402
+from test.diagnosis.arms import of_joints  # noqa: E402
+from test.diagnosis.test_nominal_servo import OWN, recorded_servos  # noqa: E402
 from trunk_ros.__main__ import main  # noqa: E402
 from trunk_ros.arm.arm import SERVO_OF_EACH  # noqa: E402
 from trunk_ros.diagnosis.servos.nominal_servo import Servos  # noqa: E402
@@ -25,7 +26,7 @@ pytestmark = pytest.mark.timeout(600)
 def test_a_servo_that_gets_slower_is_followed_from_what_it_was(tmp_path):
     for k, gain in enumerate((12.0, 12.0, 12.0, 10.8, 9.6)):
         servos = OWN | {"kp": (gain, *OWN["kp"][1:])}
-        recording = of_joints(recorded_servos(servos, seed=k, seconds=8.0), "shoulder", "elbow")
+        recording = of_joints(recorded_servos(servos, seed=k, seconds=6.0), "shoulder", "elbow")
         write_recording(
             tmp_path / "arm" / f"day_{k}", replace(recording, start_ns=int((k + 1) * DAY) * 10**9)
         )

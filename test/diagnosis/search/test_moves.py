@@ -407,20 +407,31 @@ def test_a_curve_comes_early_only_where_names_will_not_come_near_it() -> None:
     assert best_of(MOVE["early_curve"], fitted("two", BACKLASH)) is None
 
 
+@pytest.fixture(scope="module")
+def right() -> list[Fit]:
+    """A clean arm, and the truth about another."""
+    return [fitted("clean"), fitted("backlash", BACKLASH)]
+
+
+@pytest.fixture(scope="module")
+def half() -> Fit:
+    """A part of the truth."""
+    return fitted("two", Term("backlash", own={2: {"half_width": 1e-3}}))
+
+
 @pytest.mark.parametrize("move", MOVES, ids=lambda move: move.name)
-def test_no_move_makes_anything_of_a_clean_arm_or_of_the_truth(move: Move) -> None:
-    for now in (fitted("clean"), fitted("backlash", BACKLASH)):
+def test_no_move_makes_anything_of_a_clean_arm_or_of_the_truth(move: Move, right: list[Fit]) -> None:
+    for now in right:
         best = best_of(move, now)
         assert best is None or not beats(best, now)
 
 
 @pytest.mark.parametrize("move", MOVES, ids=lambda move: move.name)
-def test_trials_leave_the_hypothesis_that_they_begin_with_as_it_is(move: Move) -> None:
-    now = fitted("two", Term("backlash", own={2: {"half_width": 1e-3}}))
-    before = {name: term.copy() for name, term in now.hypothesis.items()}
-    best_of(move, now)
-    assert before == dict(now.hypothesis)
-    assert np.isfinite(now.total)
+def test_trials_leave_the_hypothesis_that_they_begin_with_as_it_is(move: Move, half: Fit) -> None:
+    before = {name: term.copy() for name, term in half.hypothesis.items()}
+    best_of(move, half)
+    assert before == dict(half.hypothesis)
+    assert np.isfinite(half.total)
 
 
 def test_no_form_keeps_values_of_another() -> None:
