@@ -15,7 +15,7 @@ from trunk_ros.recording.recording import Recording
 
 
 def limited(effects: dict[str, Any], seed: int, **servo: float) -> Recording:
-    run = recorded_servos(PLAIN, seed, after=0.0)
+    run = recorded_servos(PLAIN, seed, after=0.0, seconds=15.0)
     moved = _moved(run, replace(_stated(**servo), effects=effects))
     return replace(run, series=run.series | {"gearbox_states": moved})
 
@@ -53,7 +53,7 @@ def test_a_servo_of_which_nothing_is_said_is_found_beside_its_limit() -> None:
 @pytest.mark.parametrize("late", [0.006, 0.02])
 def test_stamps_of_setpoints_that_are_late_are_a_delay_below_nothing(late: float) -> None:
     """They had been a feedforward beside another gain."""
-    run = of_joints(recorded_servos(PLAIN, 1, after=0.0), "shoulder", "elbow")
+    run = of_joints(recorded_servos(PLAIN, 1, after=0.0, seconds=15.0), "shoulder", "elbow")
     stamped = reshaped(run, "setpoints", stamp=run.series["setpoints"].stamp + late)
     found = diagnose(stamped, model=_stated())
     (finding,) = found.findings

@@ -57,7 +57,7 @@ def recorded_servos(
     seed: int = 1,
     pulled: float = 0.0,
     after: float = 0.004,
-    seconds: float = 15.0,
+    seconds: float = 10.0,
 ) -> Recording:
     """``pulled``: rad per rad that a spring at the shoulder's motor pulls it off its setpoint; ``after``: s
     between a setpoint and the next reading.

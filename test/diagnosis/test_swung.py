@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from test.data.test_align import kept
-from test.diagnosis.arms import TRUNK, diagnose, recorded
+from test.diagnosis.arms import TRUNK, diagnose, of_the_wires, recorded
 from trunk_ros.data.align import wire_span
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.first_look import first_look
@@ -55,7 +55,7 @@ def _context(recording: Recording) -> Context:
 
 
 def test_what_rings_after_messages_were_lost_is_neither_slip_nor_friction(lossy: Recording) -> None:
-    found = {f.effect: f for f in diagnose(lossy).findings}
+    found = {f.effect: f for f in diagnose(of_the_wires(lossy)).findings}
     assert found.keys() == {"link_resonance", "backlash"}
     assert all(list(f.joints) == ["joint_4"] for f in found.values())
     told = found["link_resonance"].parameters["joint_4"]

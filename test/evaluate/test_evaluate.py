@@ -30,7 +30,7 @@ COLUMNS = ["recording", "model", "stage", "joint", "unit", "rms_before", "rms_af
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """An arm's bag, its model, and the bags of two simulators: one that is nominal, one that is right."""
     out = tmp_path_factory.mktemp("evaluate")
-    arm, truth = recorded(TRUTH, 40.0), Model(load_model("trunk").arm, TRUTH)
+    arm, truth = recorded(TRUTH, 20.0), Model(load_model("trunk").arm, TRUTH)
     write_recording(out / "run", arm)
     save_model(truth, out / "model.yaml")
     for name, model in (("nominal", load_model("trunk")), ("right", truth)):
