@@ -2,16 +2,26 @@
 
 from dataclasses import replace
 from typing import Any
+from unittest.mock import patch
 
 import numpy as np
+from matplotlib.figure import Figure
 
 from trunk_ros.chain import Chain
+from trunk_ros.diagnosis.report import render
+from trunk_ros.diagnosis.verdict.answer import Answer
 from trunk_ros.diagnosis.verdict.finding import Finding
 from trunk_ros.diagnosis.verdict.result import Diagnosis
 from trunk_ros.model import load_model
 
 NOISE = 1e-4  # rad
 JOINTS = tuple(f"joint_{k}" for k in range(1, 6))
+
+
+def page_of(result: Answer) -> str:
+    """The page of a diagnosis without its pictures, for what it says: they take most of the time."""
+    with patch.object(Figure, "savefig"):
+        return render(result)
 
 
 def finding(effect: str, joints: list[str], parameters: dict[str, Any], **other: Any) -> Finding:

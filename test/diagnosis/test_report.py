@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 
 from test.diagnosis import made
+from test.diagnosis.made import page_of
 from trunk_ros.commands.diagnose import spoken
 from trunk_ros.diagnosis.report import render, write
 from trunk_ros.diagnosis.report.regimes import stretches
@@ -79,7 +80,7 @@ def test_the_first_heading_is_the_verdict_in_one_sentence(page: str) -> None:
 
 def test_more_than_two_effects_are_counted_in_the_heading_and_listed_below(found: Diagnosis) -> None:
     others = [replace(found.findings[0], effect=name) for name in ("backlash", "ratio_error", "cogging")]
-    page = render(replace(found, findings=others))
+    page = page_of(replace(found, findings=others))
     assert "<h1>3 effects are missing in the simulation.</h1>" in page
     assert all(f"<b>{name}</b>" in page for name in ("backlash", "ratio error", "cogging"))
 
@@ -89,12 +90,12 @@ def test_the_heading_tells_what_could_be_another_and_what_is_a_guess(found: Diag
     """A half is what a finding is capped at whose size is no larger than its error: 0.8 ± 4 mrad."""
     others = [replace(found.findings[0], effect=name) for name in ("backlash", "ratio_error", "cogging")]
     doubts = [replace(others[0], confidence=sure), replace(others[1], equivalents=["cogging"]), others[2]]
-    page = render(replace(found, findings=doubts))
+    page = page_of(replace(found, findings=doubts))
     assert (
         "simulation; 1 of them could also be another effect and 1 of them is no more than a guess.</h1>"
         in page
     )
-    page = render(replace(found, findings=doubts[:2]))
+    page = page_of(replace(found, findings=doubts[:2]))
     assert re.search(
         rf"simulation: ratio error or cogging \(.*\) and perhaps backlash \(joint_3, {sure:.0%}\)", page
     )
@@ -102,11 +103,11 @@ def test_the_heading_tells_what_could_be_another_and_what_is_a_guess(found: Diag
 
 def test_nothing_missing_is_said_only_of_what_was_judged() -> None:
     clean = made.diagnosis({}, [])
-    assert "No effect is missing: what remains (99." in words(render(clean))
-    assert "rms at most) is no more than the sensors' noise." in words(render(clean)).replace("&#39;", "'")
+    assert "No effect is missing: what remains (99." in words(page_of(clean))
+    assert "rms at most) is no more than the sensors' noise." in words(page_of(clean)).replace("&#39;", "'")
     clean.stages["wire"] = {"compared": True, "joints": {}, "silent": list(made.JOINTS)}
     clean.plots = {}
-    text = words(render(clean))
+    text = words(page_of(clean))
     assert "No effect is missing" not in text
     assert "Nothing can be said" in text
     assert "nothing judged" in text
@@ -114,7 +115,7 @@ def test_nothing_missing_is_said_only_of_what_was_judged() -> None:
 
 def test_a_joint_that_hardly_moves_is_said_to_be_unknown(found: Diagnosis) -> None:
     stages = {**found.stages, "wire": {**found.stages["wire"], "silent": ["joint_6"]}}
-    assert "joint_6 hardly moves" in words(render(replace(found, stages=stages)))
+    assert "joint_6 hardly moves" in words(page_of(replace(found, stages=stages)))
 
 
 def test_the_page_needs_no_other_file(page: str) -> None:
@@ -136,7 +137,7 @@ def test_only_the_page_s_own_script_and_style_may_run(found: Diagnosis, page: st
         texts = re.findall(f"<{tag}>(.*?)</{tag}>", page, re.S)
         digests = [base64.b64encode(hashlib.sha256(text.encode()).digest()).decode() for text in texts]
         assert re.findall(f"{rule} 'sha256-([^']*)'", policy) == digests
-    quiet = render(replace(found, plots={}))
+    quiet = page_of(replace(found, plots={}))
     assert "script" not in Page(quiet).text
     assert "script-src" not in quiet
 
@@ -184,25 +185,25 @@ def test_correlated_values_and_those_at_a_bound_are_said(found: Diagnosis) -> No
     }
     (finding,) = found.findings
     finding = replace(finding, evidence={**finding.evidence, **told})
-    text = words(render(replace(found, findings=[finding])))
+    text = words(page_of(replace(found, findings=[finding])))
     assert "half width (joint_3) and stribeck friction amplitude (joint_3): −0.97" in text
     assert "half width (joint_3), upper bound 57.3 °" in text
 
 
 def test_what_to_do_next_follows_from_what_was_found(found: Diagnosis) -> None:
-    text = words(render(found))
+    text = words(page_of(found))
     assert "Compensate with this model" in text
     assert text.index("Compensate with") < text.index("Put what was found into your simulator.")
     assert "trunk_ros export model.yaml --to mjcf --into arm.xml" in text
     assert "Record trunk/setpoints and trunk/gearbox_states too." in text
     told = {"separates": ["backlash", "tension_error"], "statement": "x", "trajectory": "a.yaml"}
-    text = words(render(replace(found, experiments=[told])))
+    text = words(page_of(replace(found, experiments=[told])))
     assert "Record this motion: a.yaml. It tells backlash from tension error" in text
     late = replace(found.findings[0], effect="sensor_delay")
-    assert "Compensate" not in words(render(replace(found, findings=[late])))
+    assert "Compensate" not in words(page_of(replace(found, findings=[late])))
     quiet = made.diagnosis({}, [])
     quiet.quality["run1"]["topics"] = dict.fromkeys(TOPICS, quiet.quality["run1"]["topics"]["joint_states"])
-    assert "Nothing to change." in words(render(quiet))
+    assert "Nothing to change." in words(page_of(quiet))
 
 
 @pytest.mark.parametrize(
@@ -256,7 +257,7 @@ def test_rivals_are_listed_nearest_first_with_what_they_would_show(found: Diagno
     card = found.findings[0]
     evidence = {**card.evidence, "rivals": {"friction_wear": 5000.0, "presliding_hysteresis": 3.0}}
     card = replace(card, evidence=evidence, equivalents=["presliding_hysteresis"])
-    text = words(render(replace(found, findings=[card])))
+    text = words(page_of(replace(found, findings=[card])))
     assert text.index("presliding hysteresis 0.00") < text.index("friction wear 0.8")
     assert "; would show: a square wave with the sign of the motion that grows with time" in text
     assert "These data cannot tell it from presliding hysteresis." in text
@@ -269,10 +270,10 @@ def test_an_experiment_says_what_to_run(found: Diagnosis) -> None:
         "statement": "Compare joints.",
         "trajectory": "a.yaml",
     }
-    text = words(render(replace(found, experiments=[proposal])))
+    text = words(page_of(replace(found, experiments=[proposal])))
     assert "Compare joints. Separates backlash from tension error." in text
     assert "--trajectory a.yaml" in text
-    text = words(render(replace(found, experiments=[proposal | {"trajectory": ""}])))
+    text = words(page_of(replace(found, experiments=[proposal | {"trajectory": ""}])))
     assert "Compare joints." in text
     assert "Separates" not in text
 
@@ -282,7 +283,7 @@ def test_what_is_left_is_framed_in_the_map_and_named_in_the_verdict(found: Diagn
     left = {**wire, "joint_2": {**wire["joint_2"], "rmse_before": 3e-4, "rmse_after": 3e-4}}
     stages = {**found.stages, "wire": {**found.stages["wire"], "joints": left}}
     rest = [Unexplained("wire", ["joint_2"], "time", 0.5, ["time"], "joint_2: half of it is left.")]
-    page = render(replace(found, stages=stages, unexplained=rest))
+    page = page_of(replace(found, stages=stages, unexplained=rest))
     assert page.count(" rest") >= 1
     assert re.search(r'class="heat2 rest">0\.300.mrad <small class="times">3\.0', page)
     assert "Not fully explained on: joint_2." in words(page)
@@ -295,7 +296,7 @@ def test_what_is_left_is_framed_in_the_map_and_named_in_the_verdict(found: Diagn
 def test_every_regime_has_a_signature_also_of_effects_that_nobody_knows(regime: str) -> None:
     result = made.backlash()
     unheard = replace(result.findings[0], effect="of_the_users_own", regime=regime, depends_on=[])
-    page = render(replace(result, findings=[unheard]))
+    page = page_of(replace(result, findings=[unheard]))
     assert 'alt="Signature of of the users own"' in page
 
 
@@ -303,7 +304,7 @@ def test_a_residual_below_the_steps_of_the_encoder_is_said_to_be_that_and_not_co
     clean = made.diagnosis({}, [])
     for said in clean.stages["wire"]["joints"].values():
         said |= {"rmse_before": 8e-6, "rmse_after": 8e-6, "noise_floor": 2e-7, "resolution": 8.6e-6}
-    text = words(render(clean))
+    text = words(page_of(clean))
     assert "No effect is missing: the residual that remains (8.00 µrad rms) is below a step of" in text
     assert [cell.heat for _, cells in maps(clean)[0].rows for cell in cells] == [0] * 5
     assert "8.00 µrad 0.9 × encoder steps" in text
@@ -313,7 +314,7 @@ def test_a_residual_below_the_steps_of_the_encoder_is_said_to_be_that_and_not_co
         "rmse_after": 1e-4,
         "noise_floor": 1e-4,
     }
-    mixed = words(render(clean)).replace("&#39;", "'")
+    mixed = words(page_of(clean)).replace("&#39;", "'")
     assert (
         "what remains (0.100 mrad rms at most) is no more than the sensors' noise and encoder steps" in mixed
     )
@@ -325,7 +326,7 @@ def test_the_doubt_stands_in_the_headline_behind_the_effect_that_is_in_the_model
     evidence = {**finding.evidence, "rivals": {"stribeck_friction": -3.0, "cogging": 5.0}}
     rivals = ["cogging", "stribeck_friction"]
     doubtful.findings = [replace(finding, equivalents=rivals, evidence=evidence)]
-    text = words(render(doubtful))
+    text = words(page_of(doubtful))
     assert "either backlash, cogging or stribeck friction (joint_3, " in text
     assert "backlash, cogging or stribeck friction: joint_3" in text
     said = next(line for line in spoken(doubtful) if "joint_3" in line)
@@ -336,7 +337,7 @@ def test_names_that_stand_together_are_bracketed_in_the_headline_beside_other_fi
     result = made.backlash()
     open_ = replace(result.findings[0], equivalents=["cogging", ["stribeck_friction", "viscous_lag"]])
     coupled = replace(result.findings[0], effect="joint_coupling")
-    text = words(render(replace(result, findings=[coupled, open_])))
+    text = words(page_of(replace(result, findings=[coupled, open_])))
     several = "either backlash, cogging or (stribeck friction + viscous lag) (joint_3, "
     assert re.search(rf"joint coupling \(joint_3, \d+%\) and {re.escape(several)}", text)
 
@@ -348,12 +349,12 @@ def test_findings_without_plots_are_told_all_the_same() -> None:
     result = made.diagnosis({}, [tilt])
     tip = {"unit": "m", "rmse_before": 4e-4, "rmse_after": 3e-5, "noise_floor": 3e-5}
     result.stages["arm"] = {"compared": True, "tip": {"y": tip}}
-    text = words(render(result))
+    text = words(page_of(result))
     assert "base tilt (the tip, 90%)" in text
     assert "2.000 ± 0.010 mrad" in text
     assert "13.3 → 1.0" in text
     result.plots = {}
-    assert "2.000 ± 0.010 mrad" in words(render(result))
+    assert "2.000 ± 0.010 mrad" in words(page_of(result))
 
 
 def test_joints_that_slide_are_in_millimetres(found: Diagnosis) -> None:

@@ -12,9 +12,9 @@ import pytest
 
 from test.diagnosis import made
 from test.diagnosis.arms import on, recorded
+from test.diagnosis.made import page_of
 from trunk_ros.__main__ import main
 from trunk_ros.commands.diagnose import parser
-from trunk_ros.diagnosis.report import render
 from trunk_ros.diagnosis.verdict.result import Diagnosis
 from trunk_ros.model import Model, load_model
 from trunk_ros.nodes.run.arguments import parser as bringup
@@ -61,7 +61,7 @@ def all_of(page: str, name: str) -> list[list[str]]:
 
 def test_the_commands_after_a_motion_have_the_arguments_of_the_first_diagnosis() -> None:
     given = {"model": "my arm.yaml", "until": "5", "namespace": "/left", "output": "out"}
-    page = render(told(model="my arm.yaml", bags=["a b"], arguments=given))
+    page = page_of(told(model="my arm.yaml", bags=["a b"], arguments=given))
     again = parser().parse_args(of(page, "diagnose"))
     assert (again.bag, again.model, again.until) == (["a b", "decisive"], "my arm.yaml", "5")
     assert (again.namespace, again.output) == ("/left", "settled")
@@ -83,7 +83,7 @@ def test_after_a_urdf_the_motion_is_played_with_its_arm_without_effects(
     given: dict[str, str], tmp_path: Path
 ) -> None:
     result = told(model=given.get("urdf", "robot_description"), arguments=given)
-    page = render(result)
+    page = page_of(result)
     again = parser().parse_args(of(page, "diagnose"))
     assert (again.model, again.urdf) == (None, given.get("urdf"))
     assert bringup().parse_args(of(page, "bringup")).model == "nominal.yaml"
@@ -100,7 +100,7 @@ def test_where_the_nominal_arm_is_in_a_file_it_is_not_written_again(tmp_path: Pa
 
 
 def test_the_nominal_arm_needs_no_model() -> None:
-    page = render(told(model="trunk", arguments={"output": "v"}))
+    page = page_of(told(model="trunk", arguments={"output": "v"}))
     assert "-m" not in of(page, "bringup") + of(page, "diagnose")
     assert "__ns" not in page
     assert "holds for the new recording" not in page
@@ -108,13 +108,13 @@ def test_the_nominal_arm_needs_no_model() -> None:
 
 def test_a_simulator_is_compared_on_the_new_motion_alone() -> None:
     given = {"against": "sim1", "model": "my-arm.yaml", "from_time": "5", "namespace": "/left"}
-    page = render(told(model="my-arm.yaml", bags=["run1"], arguments=given))
+    page = page_of(told(model="my-arm.yaml", bags=["run1"], arguments=given))
     again = parser().parse_args(of(page, "diagnose"))
     assert (again.bag, again.against, again.output) == (["decisive"], "decisive_simulated", "settled")
     assert (again.model, again.namespace, again.from_time) == ("my-arm.yaml", "/left", None)
     assert "let your simulator run the same motion" in page
     assert "hold" not in page[page.index('id="settle"') : page.index('id="data"')].split("</pre>")[1]
-    both = render(several([130.0, 40.0], arguments=given))
+    both = page_of(several([130.0, 40.0], arguments=given))
     *apart, _ = map(parser().parse_args, all_of(both, "diagnose"))  # the last one reproduces the page
     assert [(each.bag, each.against, each.output) for each in apart] == [
         (["decisive_1"], "decisive_1_simulated", "settled_1"),
@@ -123,7 +123,7 @@ def test_a_simulator_is_compared_on_the_new_motion_alone() -> None:
 
 
 def test_several_motions_are_recorded_apart_and_diagnosed_at_once() -> None:
-    page = render(several([130.0, 40.5], bags=["run1"], arguments={}))
+    page = page_of(several([130.0, 40.5], bags=["run1"], arguments={}))
     played = [bringup().parse_args(words) for words in all_of(page, "bringup")]
     assert [(one.trajectory, one.output, one.seconds) for one in played] == [
         ("experiment_wire.yaml", "decisive_1", 131),
@@ -144,7 +144,7 @@ def test_several_motions_are_recorded_apart_and_diagnosed_at_once() -> None:
     ],
 )
 def test_a_cut_that_leaves_nothing_of_a_motion_is_left_out(given: dict[str, str], kept: list[str]) -> None:
-    page = render(several([130.0, 40.0], bags=["run1"], arguments=given))
+    page = page_of(several([130.0, 40.0], bags=["run1"], arguments=given))
     assert of(page, "diagnose")[3:-2] == kept
     said = "--from-time {from_time} is left out: a motion is shorter than that".format(**given)
     assert (said in page) == ("--from-time" not in kept)
@@ -153,7 +153,7 @@ def test_a_cut_that_leaves_nothing_of_a_motion_is_left_out(given: dict[str, str]
 def test_a_played_motion_is_read_with_the_namespace_of_the_diagnosis() -> None:
     """What a recorder in a namespace records: that, the clock and tf."""
     given = {"namespace": "left/"}
-    page = render(told(model="trunk", arguments=given))
+    page = page_of(told(model="trunk", arguments=given))
     space = split_ros(of(page, "bringup"))[1][-1].removeprefix("__ns:=")
     recorded = {f"{space}/{TOPICS[key]}": expected_type(key) for key in ("setpoints", "gearbox_states")}
     recorded |= {f"{space}/joint_states": expected_type("joint_states"), "/clock": "rosgraph_msgs/msg/Clock"}
@@ -167,7 +167,7 @@ def test_durations_are_plain_numbers() -> None:
     result = told()
     name = next(iter(result.quality))
     result.quality[name] |= {"duration": 12345.6, "from": 0.0, "until": 10000.0}
-    assert "0 to 10000 s of 12345.6 s" in render(result)
+    assert "0 to 10000 s of 12345.6 s" in page_of(result)
 
 
 def test_diagnose_hands_on_what_it_was_given(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -7,8 +7,8 @@ import pytest
 from rich.console import Console
 
 from test.diagnosis import made
+from test.diagnosis.made import page_of
 from test.diagnosis.test_report import words
-from trunk_ros.diagnosis.report import render
 from trunk_ros.diagnosis.report.data import numbers
 from trunk_ros.diagnosis.report.units import fall, powers, rounded, times
 from trunk_ros.diagnosis.verdict.finding import evidence_of
@@ -48,7 +48,7 @@ def test_sentence_and_table_of_the_page_tell_what_is_determined_and_the_file_the
     assert said.endswith("(joint_3 gain = 0.05 ± 0.12; arm time_constant not determined).")
     creep = made.finding("viscoelastic_creep", ["joint_3"], parameters, statement=said)
     result = replace(made.backlash(), findings=[creep])
-    text = words(render(result))
+    text = words(page_of(result))
     assert "shared not determined" in text
     assert "8.7" not in text.partition("What was found")[2].partition("Still unexplained")[0]
     assert result.to_json()["findings"][0]["parameters"]["arm"]["time_constant"]["std"] == 8.7e3
@@ -79,7 +79,7 @@ def test_of_signals_without_noise_nothing_is_told_in_times_of_it() -> None:
     result = made.backlash()
     for said in result.stages["wire"]["joints"].values():
         said |= {"noise_floor": 1e-9, "rmse_after": 4e-10}
-    text = words(render(result))
+    text = words(page_of(result))
     assert "1.00 mrad → 0.40 nrad" in re.sub(r"0\.9\d+ mrad", "1.00 mrad", text)
     assert "× noise, " not in text
     assert not re.search(
@@ -90,7 +90,7 @@ def test_of_signals_without_noise_nothing_is_told_in_times_of_it() -> None:
 def test_of_what_no_curve_fits_no_size_and_no_contribution_is_told() -> None:
     told = evidence_of(signature="No effect and no curve explains it.")
     unknown = made.finding("unknown", ["joint_3"], {}, depends_on=["speed"], evidence=told)
-    text = words(render(replace(made.backlash(), findings=[unknown])))
+    text = words(page_of(replace(made.backlash(), findings=[unknown])))
     assert "no curve fits" in text
     assert "Grey dots: residual. What to look for" in text
     assert "It moves the prediction" not in text
@@ -102,7 +102,7 @@ def test_an_error_that_no_finding_changes_is_told_once() -> None:
     for said in result.stages["wire"]["joints"].values():
         said["rmse_after"] = said["rmse_before"]
     assert re.search(
-        r"Held-out error of the worst signal, wire joint_3: [^→]* mrad, as before", words(render(result))
+        r"Held-out error of the worst signal, wire joint_3: [^→]* mrad, as before", words(page_of(result))
     )
 
 
@@ -119,7 +119,7 @@ def test_evaluate_shows_no_ratio_to_noise_that_is_not_there(capsys: pytest.Captu
 
 def test_what_a_decision_takes_is_explained_once() -> None:
     one = {"separates": ["backlash", "tension_error"], "statement": "10% of what a decision takes."}
-    page = render(replace(made.backlash(), experiments=[one | {"trajectory": ""}] * 2))
+    page = page_of(replace(made.backlash(), experiments=[one | {"trajectory": ""}] * 2))
     assert page.count("A decision takes so large a difference") == 1
-    page = render(replace(made.backlash(), experiments=[one | {"trajectory": "a.yaml"}]))
+    page = page_of(replace(made.backlash(), experiments=[one | {"trajectory": "a.yaml"}]))
     assert "A decision takes" not in page

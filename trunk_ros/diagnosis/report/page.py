@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import partial
+from functools import cache, partial
 from pathlib import Path
 from typing import Any
 
-from jinja2 import Environment, FileSystemLoader, StrictUndefined
+from jinja2 import Environment, FileSystemLoader, StrictUndefined, Template
 
 from trunk_ros.diagnosis.report.cards import card
 from trunk_ros.diagnosis.report.commands import cut, diagnose_again, motions, play, with_simulator
@@ -36,8 +36,9 @@ from trunk_ros.words import listed
 TEMPLATES = Path(__file__).parent
 
 
-def render(result: Answer) -> str:
-    """The whole page as text."""
+@cache
+def _template() -> Template:
+    """The page to fill in, compiled once for all pages of a fleet."""
     environment = Environment(
         loader=FileSystemLoader(TEMPLATES),
         autoescape=True,
@@ -46,7 +47,12 @@ def render(result: Answer) -> str:
         lstrip_blocks=True,
     )
     environment.filters |= {"listed": listed, "spoken": spoken}
-    return environment.get_template("page.html.j2").render(**content(result))
+    return environment.get_template("page.html.j2")
+
+
+def render(result: Answer) -> str:
+    """The whole page as text."""
+    return _template().render(**content(result))
 
 
 def content(result: Answer) -> dict[str, Any]:
