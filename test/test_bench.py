@@ -20,7 +20,7 @@ from test.bench.compare import changes
 from test.bench.diagnosis import HIDDEN, diagnosed
 from test.bench.releases import last
 from test.bench.row import Row
-from test.diagnosis.arms import recorded
+from test.diagnosis.arms import of_the_wires, recorded
 from trunk_ros import __version__
 from trunk_ros.recording.write import write_recording
 
@@ -221,7 +221,7 @@ def test_policy_refuses_a_constant_that_there_is_not(capsys: pytest.CaptureFixtu
 
 def test_a_diagnosis_is_measured_with_what_it_found(tmp_path: Path) -> None:
     hidden = {"backlash": HIDDEN["backlash"]}
-    write_recording(tmp_path / "run", recorded(hidden, seconds=20.0))
+    write_recording(tmp_path / "run", of_the_wires(recorded(hidden, seconds=8.0)))
     took, memory, clock, found = diagnosed(tmp_path)
     assert 0.0 < took < 60.0
     assert 50.0 < memory < 2048.0

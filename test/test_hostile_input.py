@@ -16,7 +16,7 @@ import numpy as np
 import pytest
 import yaml
 
-from test.diagnosis.arms import recorded
+from test.diagnosis.arms import of_the_wires, recorded
 from trunk_ros import compiled
 from trunk_ros.__main__ import main
 from trunk_ros.errors import TrunkError, printable
@@ -275,7 +275,7 @@ NAMES = ("a\x1b[31m$x^", "<b>&amp;\\frac{\a" + 300 * "x")
 
 
 def test_any_joint_name_is_read_diagnosed_and_shown(tmp_path: Path, capfd) -> None:
-    whole = recorded({"backlash": {"half_width": np.full(5, 2e-3)}}, 8.0)
+    whole = of_the_wires(recorded({"backlash": {"half_width": np.full(5, 2e-3)}}, 8.0))
     series = {
         key: replace(each.select(("joint_1", "joint_2")), joints=NAMES) for key, each in whole.series.items()
     }

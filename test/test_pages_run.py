@@ -13,7 +13,7 @@ import pytest
 from rosbags.rosbag2 import StoragePlugin, Writer
 from rosbags.typesys import Stores, get_typestore
 
-from test.diagnosis.arms import on, recorded
+from test.diagnosis.arms import of_the_wires, on, recorded
 from test.test_docs import DOCS, PAGES, ROOT, fenced
 from trunk_ros.__main__ import COMMANDS, main
 from trunk_ros.arm.urdf import urdf
@@ -83,7 +83,8 @@ def files(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
         write_recording(tmp_path / name, first)
     (tmp_path / "demo-output").mkdir()
     write_recording(
-        tmp_path / "demo-output" / "run_1", recorded({"backlash": {"half_width": on(2, 5e-3)}}, 10.0)
+        tmp_path / "demo-output" / "run_1",
+        of_the_wires(recorded({"backlash": {"half_width": on(2, 5e-3)}}, 10.0)),
     )
     write_recording(tmp_path / "run2", run(arm, 2))
     write_recording(tmp_path / "decisive", run(arm, 3))

@@ -23,7 +23,7 @@ RATIO = {"ratio_error": {"relative": on(2, 0.01)}}
 
 def _along(curve: Callable[[Array], Array], effects: dict[str, dict[str, Any]]) -> Recording:
     """An arm whose second joint follows the third along a curve [rad]."""
-    made = recorded(effects, 40.0, size=1.6)
+    made = recorded(effects, 25.0, size=1.6)
     third = made.series["gearbox_states"].position[:, 2] * SHORT.arm.ratio[2]
     position = made.series["joint_states"].position.copy()
     position[:, 1] += curve(third)
@@ -58,7 +58,7 @@ def test_a_curve_ahead_of_the_friction_is_told_from_one_behind_it() -> None:
     values = {f"weight_1_{k}": on(2, float(v)) for k, v in enumerate(knots, start=1)}
     values |= {"low_1": on(2, -0.6), "high_1": on(2, 0.6), "source": ["", "joint_3", ""]}
     for form in ("behind", "guides"):
-        made = recorded({"coupling_curve": values | {"form": form}}, 40.0, size=1.6)
+        made = recorded({"coupling_curve": values | {"form": form}}, 25.0, size=1.6)
         result = diagnose(of_the_wires(made))
         assert {f.effect for f in result.findings} == {"coupling_curve"}
         assert result.model.effects["coupling_curve"]["form"] == form

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from test.diagnosis import made
-from test.diagnosis.arms import on, recorded
+from test.diagnosis.arms import of_the_wires, on, recorded
 from test.diagnosis.made import page_of
 from trunk_ros.__main__ import main
 from trunk_ros.commands.diagnose import parser
@@ -172,9 +172,11 @@ def test_durations_are_plain_numbers() -> None:
 
 def test_diagnose_hands_on_what_it_was_given(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
-    write_recording(tmp_path / "run1", recorded({"backlash": {"half_width": on(2, 8e-4)}}, 20.0))
+    write_recording(
+        tmp_path / "run1", of_the_wires(recorded({"backlash": {"half_width": on(2, 8e-4)}}, 10.0))
+    )
     assert main(["diagnose", "run1", "-m", "trunk", "--until", "90%", "-o", "v"]) == 0
     page = (tmp_path / "v" / "report.html").read_text()
     assert (tmp_path / of(page, "evaluate")[-1]).is_file()
     assert all("90%" in words for words in commands(page) if words[1] == "diagnose")
-    assert page.count("run1, 0 to 17.99 s of 19.99 s") == 2
+    assert page.count("run1, 0 to 8.99 s of 9.99 s") == 2
