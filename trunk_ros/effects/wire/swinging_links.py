@@ -121,8 +121,10 @@ def swing_links(
     """
     joints, m = angles.shape[1], len(places)
     row, fixed = np.empty(joints), np.ones(joints, dtype=np.bool_)
-    fixed[places] = False
-    hold, damp = straight * omega**2, 2.0 * straight * zeta * omega
+    hold, damp = np.empty(m), np.empty(m)
+    for a in range(m):  # whole arrays take seconds to compile, for the words of what would not fit
+        fixed[places[a]] = False
+        hold[a], damp[a] = straight[a] * omega[a] ** 2, 2.0 * straight[a] * zeta[a] * omega[a]
     matrix, light, stiff, yielding = np.empty((m, m)), np.empty((m, m)), np.empty((m, m)), np.empty((m, m))
     slope = np.empty(joints)
     push, ramp, wire, now, new = np.empty(m), np.empty(m), np.empty(m), np.empty(m), np.empty(m)

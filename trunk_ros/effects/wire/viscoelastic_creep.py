@@ -216,13 +216,13 @@ def creep_before(
     shares, known, s = np.empty((2, 2)), np.empty(2), 0
     for j in range(columns):
         if j == 0 or constant[j] != constant[j - 1]:
-            known[:] = -1.0
+            known[0] = known[1] = -1.0
         theta, bears, crept = memory[0, j], memory[1, j], memory[2, j]
         for k in range(steps):
             s, new_step = kept(dt[k], known, s)
             if new_step:
-                shares[s] = lag_step(dt[k], constant[j])
-            ramp, decay = shares[s]
+                shares[s, 0], shares[s, 1] = lag_step(dt[k], constant[j])
+            ramp, decay = shares[s, 0], shares[s, 1]
             ahead = u[k, j] - decay * crept - (1.0 - decay) * bears
             w = max(width[k, j], 0.0)
             theta = min(max(theta, ahead - w), ahead + w)
