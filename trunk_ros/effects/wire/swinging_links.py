@@ -178,7 +178,7 @@ def swing_links(
                 motion[1, k] = slope[k]
         copied(angles[i], motion[0])
         copied(x[i], before[0])
-        out[i] = y
+        copied(y, out[i])
 
 
 def pushed(now: Now, place: int, before: Array) -> tuple[Array, Array, Array]:
@@ -254,9 +254,9 @@ def solve(lower: Array, b: Array) -> None:
 @compiled
 def invert(lower: Array, out: Array) -> None:
     """The inverse (m, m) of the factored matrix: where it meets many vectors, no division is left."""
-    out[:] = 0.0
     for i in range(len(out)):
-        out[i, i] = 1.0
+        for k in range(len(out)):
+            out[i, k] = 1.0 if i == k else 0.0
         solve(lower, out[i])
 
 
