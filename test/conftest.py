@@ -23,6 +23,8 @@ LONG = (
     "diagnosis/test_labelled.py",
     "diagnosis/test_several.py",
     "diagnosis/test_events.py",
+    "diagnosis/test_wandering.py",
+    "diagnosis/search/test_slow_noise.py",
     "diagnosis/test_experiment.py",
     "diagnosis/test_changes.py",
     "diagnosis/test_real_sheath.py",
