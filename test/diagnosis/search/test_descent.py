@@ -306,6 +306,14 @@ def test_a_law_with_more_to_it_is_better_by_a_step_than_the_plainer_one_beside_a
     assert taken(beside(2e4)) == ["wire_slack"]
 
 
+@pytest.mark.parametrize("exchanges", [False, True])
+def test_an_exchange_that_ends_where_it_began_is_no_step(exchanges: bool) -> None:
+    """What it gains is what fits leave to each other: a curve had been exchanged for itself five times."""
+    begun = with_width(fitted("backlash"), HALF)
+    step = first_that_pays(begun, (to(ALL, descends=exchanges),), Desk())
+    assert (step is None) is exchanges
+
+
 def test_no_further_trial_of_a_group_is_made_once_the_work_is_done() -> None:
     made: list[float] = []
 

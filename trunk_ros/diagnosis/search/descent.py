@@ -40,8 +40,7 @@ class Group:
 class Move:
     """One kind of change. ``grows``: it explains something new, so that the arm is looked at again.
     ``cheap``: its trials are few, or on one joint. ``settles``: it finds out how an effect is what it is, and
-    when. ``resort``: it waits until no other one gains much. ``descends``: its trials take steps of their
-    own, and gain by what a step has to."""
+    when. ``resort``: it waits until no other one gains much. ``descends``: its trials take own steps."""
 
     name: str
     groups: Callable[[Fit, Desk], Iterator[Group]]
@@ -127,7 +126,7 @@ class Desk:
         """The best of these, where the work ends before its turn would come."""
         if self._spare is None or self._spare[0] is not best:
             return None
-        return self._spare[1:] if _is_new(self._spare[2], best, self) else None
+        return self._spare[1:] if _is_new(*self._spare[1:], best, self) else None
 
     @property
     def inner_share(self) -> float:
@@ -149,8 +148,7 @@ def descend(best: Fit, moves: Sequence[Move], desk: Desk, steady: bool = False) 
     """The best hypothesis that single changes lead to; after each the arm is looked at again. ``steady``:
     what is only noise that wanders is told from physics on the way.
     Changes that gain a small share of what is left wait until none gains more: what is still missing would
-    make them anew, or make them up. For the same reason the largest effects are put in before anything is
-    bent to do without them.
+    make them anew, or make them up. So the largest effects come before anything is bent to do without them.
     """
     newest: list[str] = []
     stale = False
@@ -292,8 +290,8 @@ def _includes(fit: Fit, other: Fit) -> bool:
 
 
 def _is_new(move: Move, trial: Fit, best: Fit, desk: Desk) -> bool:
-    """Whether the search has not stood on a structure, or not as well: new noise could lead it in circles. An
-    exchange that ends where it began has exchanged nothing: what it gains is what fits leave to each other.
+    """Whether the search has not stood on a structure, or not as well: new noise could lead it in circles.
+    What a change gains that ends where it began is what fits leave to each other.
     """
     there = structure(trial.hypothesis)
     if there == structure(best.hypothesis):
