@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -103,11 +104,13 @@ def test_each_look_has_its_own_load_also_in_an_array_that_is_used_again(
     )
 
 
+@pytest.mark.parametrize("second", [{}, {"share_2": np.full(5, 0.4), "time_constant_2": 3.0}])
 @pytest.mark.parametrize("rubbing", [0.0, 0.5, 2.0])
 def test_a_wire_that_creeps_before_the_friction_gives_way_under_it_while_the_joint_is_held(
-    rubbing: float,
+    rubbing: float, second: dict[str, Any]
 ) -> None:
-    creep = {"gain": np.zeros(5), "rubbing": np.full(5, rubbing), "time_constant": 1.0, "form": "upstream"}
+    creep = {"gain": np.zeros(5), "rubbing": np.full(5, rubbing), "time_constant": 1.0, **second}
+    creep["form"] = "upstream_two_modes" if second else "upstream"
     stamp = np.arange(0.0, 20.0, 1e-3)
     there_and_back = np.interp(stamp, [0.0, 0.02, 19.0, 19.1], [0.0, 0.1, 0.1, 0.099])
     gearbox = there_and_back[:, None] / ARM.ratio

@@ -4,17 +4,20 @@ from typing import Any
 
 import numpy as np
 
-from trunk_ros.compiled import Array, compiled, copied
+from trunk_ros.compiled import Array
 from trunk_ros.effects.core import Core
 from trunk_ros.effects.effect import Motion, Now
-from trunk_ros.effects.filters import kept, lag_step, lowpass
+from trunk_ros.effects.filters import lowpass
 from trunk_ros.effects.swing import Decays, Transients
+from trunk_ros.effects.wire.creeping import creep, creep_before, creep_inverse
 from trunk_ros.effects.wire.on_both_sides import UPSTREAM, OnBothSides
 from trunk_ros.guards import ROUNDED
 from trunk_ros.parameter import Parameter
 
 MODES = 6  # of a spectrum: two decades of it creep as smoothly as more would
 LONGEST = 300.0  # s
+CREEPS_BEFORE = ("upstream", "upstream_two_modes")
+MODES_2 = ("two_modes", "upstream_two_modes")
 AGES = np.geomspace(0.4, LONGEST, 9)  # s, of a power law, as closely: what is sooner is a lag
 
 
@@ -24,9 +27,9 @@ class ViscoelasticCreep(OnBothSides):
     go with a power of the time constant; load: theta = p + compliance lowpass(tau), of a wire that goes on
     giving way under weight, before the friction, behind it, or in part on either side; flow: likewise of
     what gives way without end, theta = p + flow integral of tau dt; upstream: the wire creeps before the
-    friction, under the friction as well, theta = play(u - lowpass(q gain theta + rubbing z)) with the
-    stretch z that bears the friction, where the play is q = rubbing/(rubbing + gain) of what it would be: the
-    spring by whose pull the wire creeps takes its part of the friction.
+    friction, in one time constant or two, under the friction as well, theta = play(u - lowpass(q gain theta +
+    rubbing z)) with the stretch z that bears the friction, where the play is q = rubbing/(rubbing + gain) of
+    what it would be: the spring by whose pull the wire creeps takes its part of the friction.
     """
 
     id = "viscoelastic_creep"
@@ -41,8 +44,10 @@ class ViscoelasticCreep(OnBothSides):
         "(1944), ASTM Proc. 44, of plastics. upstream: the solid in series with dry friction. flow: the "
         "dashpot in series of Maxwell's fluid: oil past a piston, a belt that creeps over its wheel."
     )
-    forms = ("one_mode", "two_modes", "spectrum", "power_law", "upstream", "load", "flow")
-    refined = ("two_modes", "spectrum", "power_law")
+    forms = (
+        "one_mode", "two_modes", "spectrum", "power_law", "upstream", "upstream_two_modes", "load", "flow"
+    )  # fmt: skip
+    refined = ("two_modes", "spectrum", "power_law", "upstream_two_modes")
     parameters = (
         Parameter("gain", "1", (-0.45, 0.45), "share of the position that creeps back", typical=0.01),
         Parameter(
@@ -103,19 +108,21 @@ class ViscoelasticCreep(OnBothSides):
 
     @property
     def acts_at(self) -> int:
-        return self.CORE if self.form == "upstream" else self.place
+        return self.CORE if self.form in CREEPS_BEFORE else self.place
 
     def adjust(self, core: Core, now: Now) -> None:
-        if self.form != "upstream":
+        if self.form not in CREEPS_BEFORE:
             return
         gain, rubbing = self["gain"], self["rubbing"]
         lets = np.where(gain == 0.0, 1.0, rubbing / np.maximum(rubbing + np.abs(gain), ROUNDED))
         core.width = core.width * lets
         u = now.gearbox * now.ratio + core.middle
         crept = lets * gain * u[0]
-        memory = np.array([u[0], crept, crept]) if core.old.get(self.id) is None else core.old[self.id].copy()
+        share, constants = self._shares()
+        begun = np.array([u[0], *[crept] * (1 + len(share))])
+        memory = begun if core.old.get(self.id) is None else core.old[self.id].copy()
         out, width = np.empty_like(u), np.ascontiguousarray(np.broadcast_to(core.width, u.shape))
-        creep_before(u, width, lets * gain, rubbing, self["time_constant"], now.dt, memory, out)
+        creep_before(u, width, lets * gain, rubbing, share, constants, now.dt, memory, out)
         core.new[self.id] = memory
         core.middle = core.middle - out
 
@@ -163,10 +170,16 @@ class ViscoelasticCreep(OnBothSides):
         if self.form == "power_law":
             shares = AGES[:, None] ** self["exponent"]
             return self["gain"] * shares / shares.sum(axis=0), np.tile(AGES[:, None], len(self["gain"]))
-        if self.form != "two_modes":
-            return self["gain"][None], self["time_constant"][None]
-        gains = np.stack([self["gain"] * (1.0 - self["share_2"]), self["gain"] * self["share_2"]])
-        return gains, np.stack([self["time_constant"], self["time_constant_2"]])
+        share, constants = self._shares()
+        return self["gain"] * share, constants
+
+    def _shares(self) -> tuple[Array, Array]:
+        """Shares of one mode or two, and time constants, (modes, columns) each."""
+        second = self["share_2"]
+        if self.form not in MODES_2:
+            return np.ones((1, len(second))), self["time_constant"][None]
+        constants = np.stack([self["time_constant"], self["time_constant_2"]])
+        return np.stack([1.0 - second, second]), constants
 
     def transients(self, now: Now) -> Transients | None:
         """What the wire still creeps by from before the first sample, by as much as motion like that of the
@@ -201,84 +214,5 @@ class ViscoelasticCreep(OnBothSides):
             return (flow, upstream) if form == "flow" else (compliance, constant, upstream)
         if form == "power_law":
             return gain, exponent
-        further = {"two_modes": (share, constant_2), "spectrum": (constant_2,), "upstream": (rubbing,)}
-        return (gain, constant, *further.get(form, ()))
-
-
-@compiled
-def creep_before(
-    u: Array, width: Array, gain: Array, rubbing: Array, constant: Array, dt: Array, memory: Array, out: Array
-) -> None:
-    """By how much the wire before a play has crept, (n, columns) rad, as it moves by ``u`` (n, columns) rad;
-    ``memory`` (3, columns) is the joint's angle, what bears on the wire and what that has made it creep.
-    """
-    steps, columns = u.shape
-    shares, known, s = np.empty((2, 2)), np.empty(2), 0
-    for j in range(columns):
-        if j == 0 or constant[j] != constant[j - 1]:
-            known[0] = known[1] = -1.0
-        theta, bears, crept = memory[0, j], memory[1, j], memory[2, j]
-        for k in range(steps):
-            s, new_step = kept(dt[k], known, s)
-            if new_step:
-                shares[s, 0], shares[s, 1] = lag_step(dt[k], constant[j])
-            ramp, decay = shares[s, 0], shares[s, 1]
-            ahead = u[k, j] - decay * crept - (1.0 - decay) * bears
-            w = max(width[k, j], 0.0)
-            theta = min(max(theta, ahead - w), ahead + w)
-            new = gain[j] * theta + rubbing[j] * (ahead - theta)
-            crept = ramp * new + (1.0 - ramp - decay) * bears + decay * crept
-            bears = new
-            out[k, j] = crept
-        memory[0, j], memory[1, j], memory[2, j] = theta, bears, crept
-
-
-@compiled
-def creep(x: Array, dt: Array, gain: Array, constant: Array, before: Array, out: Array) -> None:
-    """theta = x - gain lowpass(x); ``before`` (modes, 2, columns) holds each low-pass' input and output of
-    the sample before.
-    """
-    steps, columns = x.shape
-    low = np.empty((steps, columns))
-    for j in range(columns):
-        copied(x[:, j], out[:, j])
-    for m in range(len(gain)):
-        lowpass(x, dt, constant[m], before[m], low)
-        for j in range(columns):
-            for k in range(steps):
-                out[k, j] -= gain[m, j] * low[k, j]
-
-
-@compiled
-def creep_inverse(y: Array, dt: Array, gain: Array, constant: Array, before: Array, out: Array) -> None:
-    """The input for which ``creep`` gives ``y``: step by step, what is known of the low-pass, and its share
-    of the new input.
-    """
-    steps, columns = y.shape
-    modes = len(gain)
-    shares = np.empty((2, modes, 2, columns))
-    known, s = np.full(2, -1.0), 0
-    for k in range(steps):
-        s, new_step = kept(dt[k], known, s)
-        share = shares[s]
-        if new_step:
-            fill_in(dt[k], constant, share)
-        for j in range(columns):
-            wanted, left = y[k, j], 1.0
-            for m in range(modes):
-                ramp, decay = share[m, 0, j], share[m, 1, j]
-                before[m, 1, j] = (1.0 - ramp - decay) * before[m, 0, j] + decay * before[m, 1, j]
-                wanted += gain[m, j] * before[m, 1, j]
-                left -= gain[m, j] * ramp
-            out[k, j] = wanted / left
-            for m in range(modes):
-                before[m, 0, j] = out[k, j]
-                before[m, 1, j] += share[m, 0, j] * out[k, j]
-
-
-@compiled
-def fill_in(dt: float, constant: Array, share: Array) -> None:
-    """Shares (modes, 2, columns) of the low-passes for a step ``dt``."""
-    for m in range(share.shape[0]):
-        for j in range(share.shape[2]):
-            share[m, 0, j], share[m, 1, j] = lag_step(dt, constant[m, j])
+        second = {"spectrum": (constant_2,)} | dict.fromkeys(MODES_2, (share, constant_2))
+        return (gain, constant, *second.get(form, ()), *((rubbing,) if form in CREEPS_BEFORE else ()))
