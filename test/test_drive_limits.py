@@ -9,11 +9,14 @@ import numpy as np
 import pytest
 
 from test.effects.example import arm_of
+from test.test_servos_that_change import surroundings
 from trunk_ros.chain import Chain
 from trunk_ros.compiled import Array
+from trunk_ros.effects.servo.loop import fresh
 from trunk_ros.model import Model
 from trunk_ros.recording.recording import JointSeries
 from trunk_ros.servo_course import servo_course
+from trunk_ros.servo_run import run_servo, servo_core
 
 KP, TAU, FINE = 20.0, 0.02, 1e-4
 RATE = 100.0
@@ -104,20 +107,40 @@ def along_a_profile(setpoint: Array, ramp: float, top: float) -> Array:
     return out
 
 
-@pytest.mark.parametrize(("ramp", "top"), [(2.0, 50.0), (2.0, 0.4), (30.0, 1.0)])
-def test_a_profile_is_a_trapezoid_from_one_setpoint_to_the_next(ramp: float, top: float) -> None:
+@pytest.mark.parametrize("fed", [0.0, 0.8])
+@pytest.mark.parametrize(("ramp", "top"), [(2.0, np.inf), (2.0, 0.4), (30.0, 1.0)])
+def test_a_profile_is_a_trapezoid_from_one_setpoint_to_the_next(ramp: float, top: float, fed: float) -> None:
+    """What a drive tells its loop of speeds is that of its profile: a step has none."""
     stamp = np.arange(0.0, 6.0, 1.0 / RATE)
     setpoint = np.where(stamp > 0.5, 0.5, 0.0) - np.where(stamp > 3.0, 0.8, 0.0)
     led, phi, v, shaft = along_a_profile(setpoint, ramp, top), 0.0, 0.0, []
-    for row in led:
+    paces = np.gradient(led.ravel(), FINE).reshape(led.shape)
+    for row, pace in zip(led, paces, strict=True):
         shaft.append(phi)
-        for target in row:
-            v += (KP * (target - phi) - v) / TAU * FINE
+        for target, speed in zip(row, pace, strict=True):
+            v += (KP * (target - phi) + fed * speed - v) / TAU * FINE
             phi += v * FINE
-    arm = replace(arm_of(1), kp=KP, tau_v=TAU, v_max=top, step=0.0)
+    arm = replace(arm_of(1), kp=KP, tau_v=TAU, v_max=top, feedforward=fed, step=0.0)
     model = Model(arm, {"setpoint_profile": {"acceleration": ramp}})
     got = Chain(model, "servo").run(setpoint[:, None], stamp)[0]
     assert got[:, 0] == pytest.approx(shaft, abs=2e-4)
+
+
+@pytest.mark.parametrize("columns", [1, 4])
+@pytest.mark.parametrize("fed", [0.0, 0.8])
+def test_a_run_that_begins_within_a_profile_goes_on_at_its_speed(fed: float, columns: int) -> None:
+    """However far the setpoint is, for an integral part as well."""
+    stamp = np.arange(0.0, 4.0, 1.0 / RATE)
+    setpoint = np.repeat(np.where(stamp > 0.5, 1.5, 0.0)[:, None], columns, axis=1)
+    arm = replace(arm_of(columns), kp=KP, tau_v=TAU, v_max=0.5, feedforward=fed)
+    model = Model(arm, {"setpoint_profile": {"acceleration": 3.0}, "integral_action": {"ki": 8.0}})
+    whole, cut = Chain(model, "servo").run(setpoint, stamp)[0], 200
+    now, first = surroundings(stamp, columns), np.diff(whole, axis=0, prepend=whole[:1]) * RATE
+    core = servo_core(arm, model.bound("servo"), now)
+    now = replace(now, gearbox=whole, speed=first * now.ratio)
+    again = run_servo(core, now, setpoint, stamp, fresh(whole[0]), [cut])[0]
+    assert again[: cut + 1] == pytest.approx(whole[: cut + 1], abs=1e-9)
+    assert again == pytest.approx(whole, abs=0.01)
 
 
 def test_a_profile_that_is_quick_enough_follows_setpoints_that_move_as_if_there_were_none() -> None:

@@ -295,7 +295,7 @@ def test_joints_side_by_side_come_out_as_each_by_itself(
         np.vstack([
             np.where(limited * each > 1.0, [0.5 * each, 9.0 * each], np.inf),
             np.outer([0.5 * held, 0.1], each),
-            np.where(limited * each > 1.3, 3.0 * each, np.inf)[None],
+            [np.where(limited * each > 1.3, 3.0 * each, np.inf), 0.03 * each],
         ]),
         np.where(each > 0.7, summing * each, 0.0),
         rng.normal(scale=1e-3, size=setpoint.shape)[: len(setpoint) if fed else 0],

@@ -20,7 +20,7 @@ from trunk_ros.levels import ENOUGH, HARDLY
 
 LATE, EARLY = 1.5, 1e-3  # setpoint periods: what comes later than that stood before; rounding of stamps
 
-STEADY = ("kp", "tau_v", "v_max", "uneven", "delay", "torque", "rub", "cogging", "dry")
+STEADY = ("kp", "tau_v", "v_max", "uneven", "delay", "feedforward", "torque", "rub", "cogging", "dry")
 LASTS = 200  # rows from which on loops that change meanwhile are stepped side by side up to there
 
 LOOP = (*SERVO_OF_EACH, "uneven", "pull", "load", "torque", "rub", "dead_zone", "cogging", "dry")
@@ -108,11 +108,12 @@ def _between(core: Core, first: int, last: int) -> Core:
 
 def fed_forward(core: Core, setpoints: Array, stamps: Array) -> Array:
     """What the position loop would have to be asked for (m, columns) to go as one that is told, beside its
-    ``setpoints`` (m, columns) at ``stamps`` (m,), how fast these move.
+    ``setpoints`` (m, columns) at ``stamps`` (m,), how fast these move; not of drives with setpoints of their
+    own.
     """
-    if not core.feedforward.any():
+    share = core.feedforward / core.kp - core.told
+    if not share.any():
         return setpoints
-    share = core.feedforward / core.kp
     if len(share) > 1:  # what changes in mid-run, of past rows as it is at first
         past = np.repeat(share[:1], len(stamps) - len(share), axis=0)
         share = np.concatenate([past, share])
@@ -182,7 +183,8 @@ def _side_by_side(
 
 
 def _limits(core: Core) -> Array:
-    return np.stack(np.broadcast_arrays(core.paces, core.hardest, core.dry, core.windup, core.ramp))
+    limits = core.paces, core.hardest, core.dry, core.windup, core.ramp, core.told
+    return np.stack(np.broadcast_arrays(*limits))
 
 
 def _changes(core: Core, rows: int) -> list[int]:

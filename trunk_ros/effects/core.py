@@ -101,6 +101,14 @@ class Core:
         """(1 or n, columns) rad/s at which the drive moves its own setpoint: a profile has the top speed."""
         return np.minimum(self.quickest, np.where(self.ramp < np.inf, self.v_max, np.inf))
 
+    @property
+    def told(self) -> Array:
+        """(1 or n, columns) s by which a drive that moves its own setpoint on feeds its loop the speed of
+        that, and not of those it gets.
+        """
+        leads = np.minimum(self.quickest, self.ramp) < np.inf
+        return np.where(leads, self.feedforward / self.kp, 0.0)
+
 
 def up_and_down(v_max: Array, uneven: Array) -> tuple[Array, Array]:
     """Top speeds [rad/s] upwards and downwards of servos that are that share of ``v_max`` faster upwards."""

@@ -8,7 +8,7 @@ from trunk_ros.arm.arm import STEP
 from trunk_ros.compiled import Array, compiled
 from trunk_ros.effects.servo.asked import beyond, mean_of, speed_asked
 from trunk_ros.effects.servo.speed import held_back, led_on, rise, towards
-from trunk_ros.effects.servo.summed import held_at_first, summed_up
+from trunk_ros.effects.servo.summed import first_asked, held_at_first, summed_up
 from trunk_ros.sine import sine
 
 CLOSE = 0.25  # of the time that a position loop takes: longer steps would make a stiff one swing
@@ -24,8 +24,8 @@ def fresh(angle: Array, speed: Array | float = 0.0) -> Array:
 
 
 def unlimited(columns: int) -> Array:
-    """(5, 1, columns) limits of loops that have none."""
-    return np.repeat([[[np.inf]], [[np.inf]], [[0.0]], [[0.0]], [[np.inf]]], columns, axis=2)
+    """(6, 1, columns) limits of loops that have none."""
+    return np.repeat([[[np.inf]], [[np.inf]], [[0.0]], [[0.0]], [[np.inf]], [[0.0]]], columns, axis=2)
 
 
 @compiled
@@ -65,9 +65,10 @@ def servo_loop(
     may go on beyond ``out`` (n, columns), for delays below 0; ``state`` (7, columns) is angle, speed, where
     the wire stuck, what the load pulled, how far the drive's own setpoint came, how fast, and what the
     integral part asks for (NaN: the run begins) at row ``skip - 1``. The numbers of the loop (1 or n,
-    columns), ``cogging`` (3, likewise), ``limits`` (5, likewise) of how fast the drive moves its own setpoint
+    columns), ``cogging`` (3, likewise), ``limits`` (6, likewise) of how fast the drive moves its own setpoint
     on, of how fast the speed changes, the error that the motor's dry friction holds, how far beyond its top
-    speed the loop sums up, and how fast the speed of the drive's own setpoint changes; ``reach`` (columns,).
+    speed the loop sums up, how fast the speed of the drive's own setpoint changes, and s of that speed by
+    which the loop is told it; ``reach`` (columns,).
     A wire that slides holds the shaft back by ``rub``, from ``reach`` beyond where it stuck, no less than
     ``rub``: the loop would be stiffer than its gain. A wire that sticks keeps its tension: a ``load`` (rad of
     the setpoint) that changes meanwhile only brings it nearer to sliding. Between two rows the mean of their
@@ -93,9 +94,9 @@ def servo_loop(
             size, cycles, phase = at(cogging[0], r, j), at(cogging[1], r, j), at(cogging[2], r, j)
             quickest, hardest, dry = at(limits[0], r, j), at(limits[1], r, j), at(limits[2], r, j)
             firm, winds, ramp = at(ki, r, j), at(limits[3], r, j), at(limits[4], r, j)
-            leads = min(quickest, ramp) < np.inf
+            leads, feed, told = min(quickest, ramp) < np.inf, at(limits[5], r, j), 0.0
             if led != led and leads:
-                led, pace = phi + v / gain, v  # where a loop that goes at that speed is led
+                led, pace = phi + v / gain - feed * v, v  # where a loop that goes at that speed is led
             moved = 0.0
             if rubs != 0.0 and bore == bore:  # half of it before, half of it behind the step
                 moved = 0.5 * (bears - bore) * reach[j] / rubs
@@ -105,10 +106,9 @@ def servo_loop(
                 stuck = phi - reach[j] * min(max((bears + off - v / gain) / rubs, -1.0), 1.0)
             if firm != 0.0 and total != total:
                 tension = bears - (rubs * (phi - stuck) / reach[j] if rubs != 0.0 else 0.0)
-                rest = pulled + size * sine(cycles * phi + phase) - phi
-                total = held_at_first(
-                    setpoint, stamp, j, k, late, rest, tension, past, v, gain, zone, least, most
-                )
+                goal = led + feed * pace if leads else first_asked(setpoint, stamp, j, k, late)
+                rest = goal + pulled + size * sine(cycles * phi + phase) - phi
+                total = held_at_first(rest, tension, past, v, gain, zone, least, most)
             borne = bears if bore != bore else 0.5 * (bore + bears)
             bore = bears
             if k > 0:
@@ -134,7 +134,8 @@ def servo_loop(
                             led, pace = led_on(led, pace, mean, quickest, ramp, h)
                         else:
                             led = towards(led, mean, quickest * h)
-                        mean = 0.5 * (came + led)
+                        told = feed * (led - came) / h if h > 0.0 else 0.0
+                        mean = 0.5 * (came + led) + told
                     target = mean + pulled
                     if size != 0.0:
                         target += size * sine(cycles * phi + phase)
@@ -145,7 +146,7 @@ def servo_loop(
                             tension -= rubs * (phi - stuck) / reach[j]
                     error = target + (1.0 - past) * tension - (phi + ahead * h * v)
                     if firm != 0.0:
-                        over = mean_of(beside, stamp, j, held, t, h) if len(beside) > 0 else 0.0
+                        over = told + (mean_of(beside, stamp, j, held, t, h) if len(beside) > 0 else 0.0)
                         own = h * firm * beyond(error - (1.0 - past) * tension - over, zone)
                         used = total + ahead * own
                         asked = gain * beyond(error, zone)

@@ -9,7 +9,7 @@ from trunk_ros.compiled import Array, compiled
 from trunk_ros.effects.servo.asked import ask, beyond, speed_asked
 from trunk_ros.effects.servo.loop import CLOSE, LONGEST
 from trunk_ros.effects.servo.speed import held_back, led_on, rise, towards
-from trunk_ros.effects.servo.summed import held_at_first, summed_up
+from trunk_ros.effects.servo.summed import first_asked, held_at_first, summed_up
 from trunk_ros.sine import sine
 
 SEVERAL = 4  # columns from which on it pays to step them side by side
@@ -58,13 +58,13 @@ def servo_loops(
         if skip > 0:
             held[j] = max(np.searchsorted(stamp, stamp[skip - 1] - delay[j], side="right") - 1, 0)
     rubs, cogs = np.any(rub != 0.0), np.any(cogging[0] != 0.0)
-    quickest, ramp = limits[0], limits[4]
+    quickest, ramp, feed = limits[0], limits[4], limits[5]
     led_to = np.minimum(quickest, ramp) < np.inf
     leads, strains = np.any(led_to), np.any(limits[1] < np.inf)
     dries = np.any(limits[2] != 0.0)
     for j in range(columns):
         if led[j] != led[j] and led_to[j]:
-            led[j], pace[j] = phi[j] + v[j] / kp[j], v[j]
+            led[j], pace[j] = phi[j] + v[j] / kp[j] - feed[j] * v[j], v[j]
     for k in range(skip, skip + len(out)):
         span = min(stamp[k] - stamp[k - 1], LONGEST) if k > 0 else 0.0
         most, zones = 0, False
@@ -93,11 +93,12 @@ def servo_loops(
                 pulls = load[k - skip, j] - (
                     rub[j] * (phi[j] - stuck[j]) / reach[j] if rub[j] != 0.0 else 0.0
                 )
-                rest = (
-                    pull[k - skip, j] + cogging[0, j] * sine(cogging[1, j] * phi[j] + cogging[2, j]) - phi[j]
+                goal = (
+                    led[j] + feed[j] * pace[j] if led_to[j] else first_asked(setpoint, stamp, j, k, delay[j])
                 )
+                swing = cogging[0, j] * sine(cogging[1, j] * phi[j] + cogging[2, j])
                 total[j] = held_at_first(
-                    setpoint, stamp, j, k, delay[j], rest, pulls, torque[j], v[j], kp[j],
+                    goal + pull[k - skip, j] + swing - phi[j], pulls, torque[j], v[j], kp[j],
                     dead_zone[k - skip, j], -down[j], up[j],
                 )  # fmt: skip
             borne[j] = load[k - skip, j] if bore[j] != bore[j] else 0.5 * (bore[j] + load[k - skip, j])
@@ -124,7 +125,9 @@ def servo_loops(
                                 led[j], pace[j] = led_on(came, pace[j], error[j], quickest[j], ramp[j], h[j])
                             else:
                                 led[j] = towards(came, error[j], quickest[j] * h[j])
-                            error[j] = 0.5 * (came + led[j])
+                            told = feed[j] * (led[j] - came) / h[j] if h[j] > 0.0 else 0.0
+                            error[j] = 0.5 * (came + led[j]) + told
+                            over[row, j] = told + (over[row, j] if feeds else 0.0)
                             first_of[row, j] = -1
                 if mix:
                     for j in range(columns):

@@ -9,13 +9,16 @@ from trunk_ros.effects.servo.asked import beyond
 
 
 @compiled
+def first_asked(setpoint: Array, stamp: Array, j: int, row: int, late: float) -> float:
+    """The setpoint that acts where a run begins, before ``row``."""
+    began = stamp[max(row - 1, 0)] - late + 1e-9
+    acts: float = setpoint[max(np.searchsorted(stamp, began, side="right") - 1, 0), j]
+    return acts
+
+
+@compiled
 def held_at_first(
-    setpoint: Array,
-    stamp: Array,
-    j: int,
-    row: int,
-    late: float,
-    rest: float,
+    error: float,
     tension: float,
     past: float,
     v: float,
@@ -24,12 +27,10 @@ def held_at_first(
     least: float,
     most: float,
 ) -> float:
-    """rad/s that an integral part asks for where a run begins, before ``row``: what the loop does not of the
-    shaft's speed ``v``; ``rest`` is what else is in the error, ``tension`` what pulls.
+    """rad/s that an integral part asks for where a run begins: what the loop does not of the shaft's speed
+    ``v``; ``error`` is that without ``tension``, which pulls.
     """
-    began = stamp[max(row - 1, 0)] - late + 1e-9
-    acts = setpoint[max(np.searchsorted(stamp, began, side="right") - 1, 0), j]
-    asked = gain * beyond(acts + rest + (1.0 - past) * tension, zone)
+    asked = gain * beyond(error + (1.0 - past) * tension, zone)
     return v - min(max(asked, least), most) - gain * past * tension
 
 
