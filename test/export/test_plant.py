@@ -13,6 +13,7 @@ from trunk_ros.chain import Chain
 from trunk_ros.compiled import Array
 from trunk_ros.errors import ModelError
 from trunk_ros.export.missing import missing
+from trunk_ros.export.reality.layer import RealityLayer
 from trunk_ros.model import Model, load_model
 
 RATE = 100.0
@@ -140,6 +141,32 @@ def test_servos_that_go_along_profiles_do_so_in_the_mean_of_each_step() -> None:
     profiles = {"setpoint_profile": {"acceleration": np.array([1.0, 2.0, 4.0, 8.0, 1e6])}}
     shown, expected = of_steps(Model(ARM, profiles | {"velocity_saturation": {"v_max": 0.8}}))
     np.testing.assert_allclose(shown, expected, atol=1e-4)
+
+
+@pytest.mark.parametrize("fed", [0.0, 0.8])
+def test_a_profile_begins_where_the_arm_stands(fed: float) -> None:
+    """Also of those that are reset while others go on."""
+    model = Model(replace(ARM, feedforward=fed), {"setpoint_profile": {"acceleration": 2.0}})
+    asked, stands = np.full((200, 5), 0.5), np.array([-0.3, 0.0, 0.1, 0.4, 0.0])
+    plant = model.plant(2)
+    plant.reset(posture=stands * ARM.ratio)
+    motors = np.array([(plant.step([row, row], 1.0 / RATE), plant.motors)[1] for row in asked])
+    plant.reset(np.array([False, True]), stands * ARM.ratio)
+    again = np.array([(plant.step([row, row], 1.0 / RATE), plant.motors[1])[1] for row in asked])
+    phi = Chain(model, "servo").run(np.vstack([stands, asked, asked[:1]]), STAMP[:202])[0]
+    np.testing.assert_allclose(motors[:, 0], phi[2:], atol=1e-3)
+    np.testing.assert_allclose(again, motors[:, 1], atol=1e-9)
+
+
+@pytest.mark.parametrize("beside", [{"uneven_speed": {"excess": 0.3}}, {"speed_feedforward": {"share": 0.6}}])
+def test_commands_to_a_simulator_go_along_the_profile_and_no_slower(beside: dict[str, Any]) -> None:
+    profile = {"setpoint_profile": {"acceleration": 3.0}, "velocity_saturation": {"v_max": 0.5}}
+    model, asked = Model(ARM, profile | beside), setpoints(1)[:, 0] + 0.4 * (STAMP > 3.0)[:, None]
+    layer = RealityLayer(model)
+    sent = np.array([layer.step(row, 0.0 * row, 1.0 / RATE)[0] for row in asked])
+    simulator = Chain(Model(replace(ARM, v_max=50.0)), "servo")
+    there = simulator.run(sent, STAMP)[0] - Chain(model, "servo").run(asked, STAMP)[0]
+    assert np.abs(there).max() < 2e-3
 
 
 def of_steps(model: Model) -> tuple[Array, Array]:

@@ -44,7 +44,8 @@ class Servo:
         top = np.where(np.isfinite(core.v_max), core.v_max, nominal)
         led = np.ravel(core.quickest)
         ways = up_and_down(top, core.uneven)
-        up, down = (spread(np.minimum(np.ravel(way), led)) for way in ways)
+        profiled = np.ravel(core.ramp) < np.inf  # it keeps to its top speed, and the loop has none
+        up, down = (spread(np.where(profiled, np.inf, np.minimum(np.ravel(way), led))) for way in ways)
         self.fastest = up, down
         self.bounds = (
             (spread(np.asarray(core.lowest)), spread(np.asarray(core.highest))) if core.bounded else None
@@ -99,7 +100,7 @@ class Servo:
             self.before[columns] = self.low[columns] = x[columns]
             if self.swing is not None:
                 self.swing[:, columns] = np.stack([x, x, 0.0 * x])[:, columns]
-        shaped = self._shaped(self._led(x, scene.dt, columns), scene.dt)
+        shaped = self._shaped(self._led(x, scene, columns), scene.dt)
         x = self._fed(shaped, scene.dt, columns).reshape(shape)
         core = core_of(x)
         for block in self.blocks:
@@ -125,16 +126,18 @@ class Servo:
         self.asked = x.copy()
         return x + self.early * (x - before) / dt
 
-    def _led(self, x: Array, dt: float, anew: np.ndarray | None) -> Array:
-        """Along profiles to the commands; between two steps of them as far as in the middle."""
-        if dt <= 0.0 or not np.isfinite(self.ramp).any():
+    def _led(self, x: Array, scene: Scene, anew: np.ndarray | None) -> Array:
+        """Along profiles from where shafts stand to commands; between two steps as far as in the middle."""
+        if not np.isfinite(self.ramp).any():
             return x
-        if self.profile is None:
-            self.profile = np.stack([x, 0.0 * x])
-        elif anew is not None:
-            self.profile[:, anew] = np.stack([x, 0.0 * x])[:, anew]
+        begun = np.stack([scene.gearbox.reshape(-1), 0.0 * x])
+        self.profile = begun if self.profile is None else self.profile
+        if anew is not None:
+            self.profile[:, anew] = begun[:, anew]
+        if scene.dt <= 0.0:
+            return x
         out = np.empty_like(x)
-        lead_commands(x, dt, self.pace, self.ramp, self.profile, out)
+        lead_commands(x, scene.dt, self.pace, self.ramp, self.profile, out)
         return out
 
     def _shaped(self, x: Array, dt: float) -> Array:
