@@ -36,6 +36,14 @@ def test_a_loop_is_found_beside_what_its_drive_does_besides(effect: str, paramet
     assert _left(found.model, other).max() < 1.1 * NOISE
 
 
+def test_a_drive_that_feeds_its_loop_the_speed_of_its_profile_is_told_as_one() -> None:
+    both = {"setpoint_profile": {"acceleration": 6.0}, "speed_feedforward": {"share": 0.7}}
+    run, other = (of_joints(limited(both, seed), "shoulder") for seed in (1, 2))
+    found = diagnose(run, model=_stated().only(("shoulder",)))
+    assert ({f.effect for f in found.findings}, found.verdict) == (set(both), "explained")
+    assert _left(found.model, other).max() < 1.1 * NOISE
+
+
 def test_two_such_things_are_found_one_after_the_other() -> None:
     """The integral part had been 17 and friction 0.0038, at 0.6 mrad."""
     both = {"integral_action": {"ki": 15.0}, "motor_friction": {"friction": 0.004}}

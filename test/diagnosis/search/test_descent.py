@@ -314,6 +314,16 @@ def test_an_exchange_that_ends_where_it_began_is_no_step(exchanges: bool) -> Non
     assert (step is None) is exchanges
 
 
+def test_what_is_no_step_takes_no_place_of_what_was_put_aside() -> None:
+    begun, desk = with_width(fitted("backlash"), LITTLE), Desk()
+    less, exchange = to(HALF), to(ALL, descends=True)
+    desk.puts_aside(less, with_width(begun, HALF), begun)
+    desk.puts_aside(exchange, with_width(begun, ALL), begun)
+    step = desk.put_aside(begun)
+    assert step is not None
+    assert step[0] is less
+
+
 def test_no_further_trial_of_a_group_is_made_once_the_work_is_done() -> None:
     made: list[float] = []
 

@@ -119,14 +119,12 @@ class Desk:
     def puts_aside(self, move: Move, trial: Fit, best: Fit) -> None:
         """A trial that is better, but not by enough as yet."""
         before = self._spare[2] if self._spare is not None and self._spare[0] is best else best
-        if beats(trial, before):
+        if beats(trial, before) and _is_new(move, trial, best, self):
             self._spare = best, move, trial
 
     def put_aside(self, best: Fit) -> tuple[Move, Fit] | None:
         """The best of these, where the work ends before its turn would come."""
-        if self._spare is None or self._spare[0] is not best:
-            return None
-        return self._spare[1:] if _is_new(*self._spare[1:], best, self) else None
+        return self._spare[1:] if self._spare is not None and self._spare[0] is best else None
 
     @property
     def inner_share(self) -> float:
