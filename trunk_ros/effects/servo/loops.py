@@ -12,7 +12,7 @@ from trunk_ros.effects.servo.speed import held_back, led_on, rise, towards
 from trunk_ros.effects.servo.summed import first_asked, held_at_first, summed_up
 from trunk_ros.sine import sine
 
-SEVERAL = 4  # columns from which on it pays to step them side by side
+SEVERAL = 5  # columns from which on it pays to step them side by side
 BLOCK = 8  # steps of which setpoints are looked up at once
 
 
