@@ -16,7 +16,7 @@ from trunk_ros.effects.servo.loop import fresh
 from trunk_ros.model import Model
 from trunk_ros.recording.recording import JointSeries
 from trunk_ros.servo_course import servo_course
-from trunk_ros.servo_run import run_servo, servo_core
+from trunk_ros.servo_run import run_servo, servo_core, with_profiles
 
 KP, TAU, FINE = 20.0, 0.02, 1e-4
 RATE = 100.0
@@ -173,3 +173,23 @@ def test_setpoints_that_are_stamped_late_are_seen_before_their_stamps(late: floa
     series = JointSeries(stamp + late, arm.joints, setpoint)
     there = servo_course(JointSeries(stamp, arm.joints, setpoint), stamp[50:-10], Model(arm)).position
     assert servo_course(series, stamp[50:-10], model).position == pytest.approx(there, abs=2e-5)
+
+
+@pytest.mark.parametrize("begins", [0.60, 0.75, 1.0, 1.2])
+def test_a_run_that_begins_within_a_profile_goes_on_along_it(begins: float) -> None:
+    """While it gathers speed, at its top speed, and while it brakes: nobody recorded how far it is."""
+    stamp = np.arange(0.0, 3.0, 1.0 / RATE)
+    setpoint = np.where(stamp > 0.5, 0.5, 0.0)[:, None]
+    arm = replace(arm_of(1), kp=KP, tau_v=TAU, v_max=0.9, step=0.0)
+    blocks = Model(arm, {"setpoint_profile": {"acceleration": 2.5}}).bound("servo")
+    whole = Chain(Model(arm, {"setpoint_profile": {"acceleration": 2.5}}), "servo").run(setpoint, stamp)[0]
+    first = int(np.searchsorted(stamp, begins))
+    now = replace(surroundings(stamp[first:], 1), gearbox=whole[first:])
+    core, start = servo_core(arm, blocks, now), fresh(whole[first], np.gradient(whole[:, 0], stamp)[first])
+    begun = with_profiles(core, now, setpoint[first:], start)
+    off, plain = (
+        np.abs(run_servo(core, now, setpoint[first:], now.stamp, one)[0] - whole[first:]).max()
+        for one in (begun, start)
+    )
+    assert off < 1e-3
+    assert off < 0.1 * plain or plain < 1e-3

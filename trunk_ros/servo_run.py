@@ -100,6 +100,24 @@ def with_sums(core: Core, now: Now, setpoints: Array, start: Array) -> Array:
     return np.vstack([start[:-1], share * tried])
 
 
+def with_profiles(core: Core, now: Now, setpoints: Array, start: Array) -> Array:
+    """The state (7, columns) of a start with how far the profiles of drives are then, and how fast: as ahead
+    of shafts as loops lag that go at one speed, gather it, or brake, whichever leads on as they were read.
+    """
+    rows = min(len(now.stamp), ENOUGH)
+    first, begun = _between(core, 0, rows), replace(now, stamp=now.stamp[:rows])
+    best, least = start, np.full(start.shape[1], np.inf)
+    for way in (0.0, -1.0, -0.5, 0.5, 1.0):
+        change = way * np.where(core.ramp[0] < np.inf, core.ramp[0], 0.0)
+        pace = start[1] + change / core.kp[0]
+        led = start[0] + (start[1] + core.tau_v[0] * change) / core.kp[0] - core.told[0] * pace
+        there = np.vstack([start[:4], led, pace, start[6:]])
+        off = now.gearbox[:rows] - run_servo(first, begun, setpoints[:rows], begun.stamp, there)[0]
+        left = np.sum(off**2, axis=0)
+        best, least = np.where(left < least, there, best), np.minimum(left, least)
+    return best
+
+
 def _between(core: Core, first: int, last: int) -> Core:
     """The loop from row to row."""
     over_time = {name: one[first:last] for name in LOOP if len(one := getattr(core, name)) > 1}

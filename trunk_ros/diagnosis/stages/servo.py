@@ -24,7 +24,7 @@ from trunk_ros.effects.servo.loop import fresh
 from trunk_ros.look import slope_of
 from trunk_ros.model import Model
 from trunk_ros.passes import Passes
-from trunk_ros.servo_run import run_servo, servo_core, with_sums
+from trunk_ros.servo_run import run_servo, servo_core, with_profiles, with_sums
 from trunk_ros.stage import through
 
 LEFT_BY_LOOP = "what remains once the servo's loop is identified"
@@ -109,6 +109,8 @@ class ServoStage(Stage):
         before = [block for block in blocks if block.acts_at < block.CORE]
         source = np.ascontiguousarray(through(asked, before, now, {}, {}))
         start = fresh(now.gearbox[0], now.speed[0] / now.ratio)
+        if np.isfinite(core.ramp).any():
+            start = with_profiles(core, now, source, start)
         if core.ki.any():
             start = with_sums(core, now, source, start)
         anew = np.searchsorted(now.stamp, span.anew)
