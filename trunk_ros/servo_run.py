@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from itertools import pairwise
 
@@ -87,14 +87,9 @@ def with_sums(core: Core, now: Now, setpoints: Array, start: Array) -> Array:
     they were read to from there. By the first reading alone it would be known no better than a speed is, and
     it dies away slowly.
     """
-    rows = min(len(now.stamp), ENOUGH)
-    first, begun = _between(core, 0, rows), replace(now, stamp=now.stamp[:rows])
-    tried = HARDLY * core.kp[0] * (core.ki[0] != 0.0)
-    without, more = (
-        run_servo(first, begun, setpoints[:rows], begun.stamp, np.vstack([start[:-1], held]))[0]
-        for held in (0.0 * tried, tried)
-    )
-    per, off = more - without, now.gearbox[:rows] - without
+    run, tried = _from_starts(core, now, setpoints), HARDLY * core.kp[0] * (core.ki[0] != 0.0)
+    without, more = (run(np.vstack([start[:-1], held])) for held in (0.0 * tried, tried))
+    per, off = more - without, now.gearbox[: len(without)] - without
     squares = np.sum(per**2, axis=0)
     share = np.divide(np.sum(per * off, axis=0), squares, out=np.zeros_like(squares), where=squares > 0.0)
     return np.vstack([start[:-1], share * tried])
@@ -104,18 +99,23 @@ def with_profiles(core: Core, now: Now, setpoints: Array, start: Array) -> Array
     """The state (7, columns) of a start with how far the profiles of drives are then, and how fast: as ahead
     of shafts as loops lag that go at one speed, gather it, or brake, whichever leads on as they were read.
     """
-    rows = min(len(now.stamp), ENOUGH)
-    first, begun = _between(core, 0, rows), replace(now, stamp=now.stamp[:rows])
-    best, least = start, np.full(start.shape[1], np.inf)
+    run, best, least = _from_starts(core, now, setpoints), start, np.full(start.shape[1], np.inf)
     for way in (0.0, -1.0, -0.5, 0.5, 1.0):
         change = way * np.where(core.ramp[0] < np.inf, core.ramp[0], 0.0)
         pace = start[1] + change / core.kp[0]
         led = start[0] + (start[1] + core.tau_v[0] * change) / core.kp[0] - core.told[0] * pace
         there = np.vstack([start[:4], led, pace, start[6:]])
-        off = now.gearbox[:rows] - run_servo(first, begun, setpoints[:rows], begun.stamp, there)[0]
-        left = np.sum(off**2, axis=0)
+        went = run(there)
+        left = np.sum((now.gearbox[: len(went)] - went) ** 2, axis=0)
         best, least = np.where(left < least, there, best), np.minimum(left, least)
     return best
+
+
+def _from_starts(core: Core, now: Now, setpoints: Array) -> Callable[[Array], Array]:
+    """Gearbox angles of the first rows, as many as tell how a run began, from a state (7, columns)."""
+    rows = min(len(now.stamp), ENOUGH)
+    first, begun = _between(core, 0, rows), replace(now, stamp=now.stamp[:rows])
+    return lambda start: run_servo(first, begun, setpoints[:rows], begun.stamp, start)[0]
 
 
 def _between(core: Core, first: int, last: int) -> Core:
@@ -129,6 +129,8 @@ def fed_forward(core: Core, setpoints: Array, stamps: Array) -> Array:
     ``setpoints`` (m, columns) at ``stamps`` (m,), how fast these move; not of drives with setpoints of their
     own.
     """
+    if not core.feedforward.any():
+        return setpoints
     share = core.feedforward / core.kp - core.told
     if not share.any():
         return setpoints

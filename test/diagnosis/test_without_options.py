@@ -10,7 +10,7 @@ from test.diagnosis.arms import SHORT, recorded
 from test.diagnosis.test_one_arm import context
 from trunk_ros.diagnosis.evidence.evidence import Evidence, one_evidence
 from trunk_ros.diagnosis.evidence.spreads import spreads
-from trunk_ros.diagnosis.evidence.without_options import likelier
+from trunk_ros.diagnosis.evidence.without_options import with_likelier_options
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
 from trunk_ros.diagnosis.search.fit import Fit, refit
 from trunk_ros.diagnosis.verdict.included import all_findings
@@ -51,7 +51,7 @@ def test_the_model_has_the_side_that_the_recording_hints_at() -> None:
     for upstream in (0.0, 1.0):
         state, found = sagging(upstream, 2e-4)
         assert found.untold == ["upstream"]
-        best = likelier(state, {"load_elasticity": found.untold})
+        best = with_likelier_options(state, {"load_elasticity": found.untold})
         shared = best.hypothesis["load_elasticity"].shared
         assert shared.get("upstream", 0.0) == pytest.approx(upstream, abs=0.3)
         assert ("do not tell" in statement(best, found)) == (not shared)  # else its spread tells

@@ -17,7 +17,7 @@ from trunk_ros.diagnosis.evidence.spreads import Spreads, spreads
 from trunk_ros.diagnosis.evidence.untold import as_the_surest
 from trunk_ros.diagnosis.evidence.veto import believed, harmless
 from trunk_ros.diagnosis.evidence.wandering import steadied
-from trunk_ros.diagnosis.evidence.without_options import likelier
+from trunk_ros.diagnosis.evidence.without_options import with_likelier_options
 from trunk_ros.diagnosis.first_look import first_look
 from trunk_ros.diagnosis.search.fit import Fit, costed, refit
 from trunk_ros.diagnosis.search.long import searched
@@ -88,7 +88,8 @@ def judged(stage: Stage, settle: float, say: Callable[[str], None]) -> Judged | 
     early = done.early or state.context.work.over
     state = from_the_start(state, settle)
     std = spreads(state)
-    surer = as_the_surest(likelier(state, {name: told.untold for name, told in found.items()}), std)
+    hinted = with_likelier_options(state, {name: told.untold for name, told in found.items()})
+    surer = as_the_surest(hinted, std)
     kept, errors = no_worse(surer)
     if kept is not state:
         part = kept if part is state else costed(part.context, kept.hypothesis)

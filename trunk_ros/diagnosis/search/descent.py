@@ -40,7 +40,8 @@ class Group:
 class Move:
     """One kind of change. ``grows``: it explains something new, so that the arm is looked at again.
     ``cheap``: its trials are few, or on one joint. ``settles``: it finds out how an effect is what it is, and
-    when. ``resort``: it waits until no other one gains much. ``descends``: its trials take own steps."""
+    when. ``resort``: it waits until no other one gains much. ``descends``: its trials take steps of their
+    own, which have to lead to another structure, and gain by what a step has to."""
 
     name: str
     groups: Callable[[Fit, Desk], Iterator[Group]]
