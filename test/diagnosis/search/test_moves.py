@@ -7,11 +7,15 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from test.diagnosis.arms import TRUNK, recorded
 from test.diagnosis.search.looks import best_of, context, drawn_beside_a_ratio, fitted
+from trunk_ros.data.align import servo_span
+from trunk_ros.diagnosis.first_look import first_look
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
 from trunk_ros.diagnosis.search.course import Course
 from trunk_ros.diagnosis.search.descent import COARSE, Desk, Move, descend
 from trunk_ros.diagnosis.search.fit import Fit, costed
+from trunk_ros.diagnosis.search.greedy import begun
 from trunk_ros.diagnosis.search.looked_again import renewed
 from trunk_ros.diagnosis.search.moves import MOVES
 from trunk_ros.diagnosis.search.moves.onset import dated
@@ -19,6 +23,7 @@ from trunk_ros.diagnosis.search.moves.option import put_down
 from trunk_ros.diagnosis.search.moves.spell import sized
 from trunk_ros.diagnosis.search.moves.swap_all import SWAP_ALL, with_more, with_what_it_stood_for
 from trunk_ros.diagnosis.search.score import beats, prices, score
+from trunk_ros.diagnosis.stages.servo import ServoStage
 from trunk_ros.effects import effect
 
 MOVE = {move.name: move for move in MOVES}
@@ -68,6 +73,19 @@ def test_add_finds_what_acts_on_all_joints_also_where_two_of_five_have_more_of_s
     best = renewed(improved("add", "loose, and worn on two"))
     assert best.hypothesis["tension_error"].shared["factor"] == pytest.approx(0.5, abs=0.01)
     assert best.hypothesis["friction_wear"].columns == [1, 2]
+
+
+def test_add_finds_what_pulls_each_joint_by_a_friction_of_its_own() -> None:
+    """Between the least and the largest of them lies an order of magnitude."""
+    friction = np.array([0.008, 0.008, 0.03, 0.1, 0.1])
+    droop = {"gain": 0.05, "friction": friction, "form": "weight_and_friction"}
+    span = servo_span(recorded({"load_droop": droop}, 12.0), TRUNK)
+    now = begun(first_look(ServoStage([span], TRUNK)))
+    best = best_of(MOVE["add"], now)
+    assert best is not None
+    assert list(best.hypothesis) == ["load_droop"]
+    found = [best.hypothesis["load_droop"].own[c]["friction"] for c in range(5)]
+    np.testing.assert_allclose(found, friction, rtol=0.02)
 
 
 def test_what_several_joints_have_gives_way_to_what_acts_on_all_beside_what_others_had_for_it() -> None:

@@ -23,7 +23,10 @@ class LoadDroop(Effect):
     apart = "apart"
     parameters = (
         Parameter("gain", "rad/(N*m)", (-1e3, 1e3), "standing error per moment", typical=1e-3, shared=True),
-        Parameter("friction", "N*m", (0.0, 1e3), "dry friction that the motor pulls as well", typical=0.1),
+        Parameter(
+            "friction", "N*m", (0.0, 1e3), "dry friction that the motor pulls as well", typical=0.1,
+            scan=(0.01, 0.03, 0.1),
+        ),
         Parameter(
             "as_torque", "1", (0.0, 1.0), "share of it that acts past the speed limit, as a torque does",
             typical=1.0, shared=True, optional=True,

@@ -20,7 +20,7 @@ from trunk_ros.diagnosis.search.moves.member import MEMBER
 from trunk_ros.diagnosis.search.moves.onset import dated
 from trunk_ros.diagnosis.search.moves.option import OPTION
 from trunk_ros.diagnosis.search.moves.swap_many import on_most
-from trunk_ros.diagnosis.search.score import SIGNIFICANT, need, score
+from trunk_ros.diagnosis.search.score import SIGNIFICANT, need, priced, score
 from trunk_ros.diagnosis.search.screen import PROMISED, Screen
 from trunk_ros.diagnosis.search.state import exactly
 from trunk_ros.diagnosis.search.trial import column_trials, refit_to_win
@@ -60,8 +60,13 @@ def _swapped(best: Fit, desk: Desk, name: str, kinds: list[type[Effect]]) -> Ite
                 return
             if candidate.gain <= least or not (again or _may_promise(there, candidate.gain, screen, lost)):
                 continue
-            trial = refit(best.context, there, np.inf if again else _half_of(screen, lost))
-            if _promises(trial, screen, lost, again):
+            if candidate.lasts:  # what comes and goes imitates much: it has to win before it is dated
+                trial = refit_to_win(best, there)
+                promises = priced(trial) < score(best)
+            else:
+                trial = refit(best.context, there, np.inf if again else _half_of(screen, lost))
+                promises = _promises(trial, screen, lost, again)
+            if promises:
                 trial = dated(trial, kind.id)
                 if not _is_shown(trial, kind.id):
                     continue
