@@ -212,6 +212,14 @@ def test_a_single_setpoint_that_is_lost_on_an_even_way_hides_nothing() -> None:
     assert worst(ServoStage([span], TRUNK)) < 6e-5
 
 
+def test_a_servo_at_its_top_speed_does_not_forget_what_was_lost() -> None:
+    """It is far behind as 0.15 s are lost, and catches up half a second later."""
+    recording = under_setpoints(T, np.sin(3.0 * T), np.abs(T - 9.2) > 0.075)
+    span = servo_span(recording, TRUNK)
+    assert 0.75 < span.valid.mean() < 0.9
+    assert worst(ServoStage([span], TRUNK)) < 1e-5
+
+
 def test_setpoints_that_come_as_they_like_are_held_until_the_next() -> None:
     """In bursts, as a logger writes them: none is missing between, and a pause is one all the same."""
     steps = np.where(np.arange(len(T)) % 4 == 0, 0.03, np.where(np.arange(len(T)) % 4 == 1, 0.01, 0.002))

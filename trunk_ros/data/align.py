@@ -16,7 +16,7 @@ from trunk_ros.data.repeated_readings import new_motor_readings, new_readings
 from trunk_ros.data.span import Span, in_one_piece
 from trunk_ros.errors import RecordingError
 from trunk_ros.heap import give_back
-from trunk_ros.levels import CERTAIN, ENOUGH, HALF, ROUGH, SLIGHT, SURE
+from trunk_ros.levels import CERTAIN, ENOUGH, HALF, HARDLY, NEARLY, PART, ROUGH, SLIGHT, SURE
 from trunk_ros.machine import CELLS
 from trunk_ros.recording.recording import JointSeries, Recording
 from trunk_ros.recording.signal.encoder import between_counts, counts, noises
@@ -167,10 +167,10 @@ def servo_span(recording: Recording, model: ArmModel) -> Span:
     source = np.asfortranarray(hold(asked.position)[in_one_piece(held)])
     arm = model.for_joints(joints).arm.only(joints)
     small = np.maximum(noises(gearbox) / 2, UNSEEN)
-    unsettled, anew = _after_gaps(setpoints, grid, in_gaps(gearbox, grid), arm.v_max, small)
+    phi, velocity = resample(gearbox, grid)
+    unsettled, anew = _after_gaps(setpoints, grid, velocity, in_gaps(gearbox, grid), small)
     unsettled |= grid < grid[0] + SETTLING
     valid = np.isfinite(gearbox.position[kept]) & told & ~unsettled[rows][:, None]
-    phi, velocity = resample(gearbox, grid)
     target = np.asfortranarray(np.where(valid, gearbox.position[kept], 0.0))
     unknown = (np.empty(0, dtype=int),) * len(joints)
     known = felt(recording, arm, grid)
@@ -193,25 +193,37 @@ def common_joints(recording: Recording, model: ArmModel, *series: JointSeries) -
 
 
 def _after_gaps(
-    setpoints: JointSeries, grid: Array, lost: np.ndarray, v_max: float | Array, small: Array
+    setpoints: JointSeries, grid: Array, velocity: Array, lost: np.ndarray, small: Array
 ) -> tuple[np.ndarray, Array]:
-    """(m,): where setpoints may have been lost, and until the servo has caught up with those after; and (k,)
-    s when it begins anew after a long gap: once those before it act no more, where some gearbox angle is not
-    ``lost`` (m, joints). What may have been missed in a gap and takes no servo further than ``small``
-    (joints,) rad does not count.
+    """(m,): where setpoints may have been lost, and until the servo has forgotten them; and (k,) s when it
+    begins anew after a long gap: once those before it act no more, where some gearbox angle is not ``lost``
+    (m, joints). What may have been missed in a gap and takes no servo further than ``small`` (joints,) rad
+    does not count. ``velocity`` (m, joints) rad/s of the shafts.
     """
     stamp, position = setpoints.stamp, hold(setpoints.position)
     out, anew, seen = np.zeros(len(grid), dtype=bool), [], grid[~np.all(lost, axis=1)]
-    longest = longest_wait(stamp)
+    longest, forgets = longest_wait(stamp), _forgets(stamp, position, grid, velocity)
     for k in np.setdiff1d(np.flatnonzero(np.diff(stamp) > longest), _harmless(setpoints, small)):
-        catching_up = 2.0 * float((np.abs(position[k + 1] - position[k]) / v_max).max())
-        until = stamp[k + 1] + SETTLING + catching_up
+        begun = stamp[k + 1]
         if stamp[k + 1] - stamp[k] > SETTLING:
             after = seen[np.searchsorted(seen, stamp[k + 1] + REMEMBERED - SAME) :]
             anew.extend(after[:1])
-            until = max(until, after[0] + SETTLING) if len(after) else np.inf
-        out[slice(*np.searchsorted(grid, (stamp[k] + longest / 2, until)))] = True
+            begun = after[0] if len(after) else np.inf
+        settled = SETTLING + (np.interp(begun, grid, forgets) if np.isfinite(begun) else np.inf)
+        out[np.searchsorted(grid, stamp[k] + longest / 2) : np.searchsorted(forgets, settled)] = True
     return out, np.unique(anew)
+
+
+def _forgets(stamp: Array, position: Array, grid: Array, velocity: Array) -> Array:
+    """(m,) s in which servos forget: a shaft that goes at its top speed and not as its setpoints do, at
+    ``position`` (n, joints) rad, only follows them once it has caught up.
+    """
+    asked = np.column_stack([np.interp(grid, stamp, own) for own in position.T])
+    asked = np.gradient(asked, grid, axis=0) if len(grid) > 1 else np.zeros_like(asked)
+    top = np.quantile(np.abs(velocity), 1.0 - HARDLY, axis=0)
+    behind = (np.abs(velocity) > NEARLY * top) & (np.abs(asked - velocity) > PART * top)
+    steps = np.diff(grid, prepend=grid[:1])
+    return np.cumsum(np.where(behind.any(axis=1), 0.0, steps))
 
 
 def hidden_by_gaps(recording: Recording) -> str:
