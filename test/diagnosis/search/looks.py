@@ -152,6 +152,10 @@ ARMS: dict[str, dict[str, dict[str, Any]]] = {
         "backlash": {"half_width": np.full(5, 1e-3)},
         "zero_offset": {"offset": on(3, 0.1)},
     },
+    "late, and one lags": {
+        "sensor_delay": {"delay": 0.006},
+        "viscous_lag": {"time_constant": on(3, 0.03)},
+    },
     "late and loose": {"sensor_delay": {"delay": 0.02}, "backlash": {"half_width": on(3, 1e-3)}},
     "tension": {"tension_error": {"factor": 3.0}},
     "loose, and worn on two": {

@@ -473,6 +473,14 @@ def test_what_joints_had_each_for_itself_they_share_at_its_median_and_back() -> 
     assert (term.shared, term.own[2]) == ({}, {"relative": 0.2})
 
 
+def test_what_all_joints_share_is_found_beside_one_that_has_more() -> None:
+    lags = Term("viscous_lag", "first_order", own={c: {"time_constant": 0.01} for c in range(5)})
+    best = best_of(SWAP_ALL, fitted("late, and one lags", lags))
+    assert best is not None
+    assert best.hypothesis["sensor_delay"].shared["delay"] == pytest.approx(0.006, rel=0.05)
+    assert best.hypothesis["viscous_lag"].columns == [2]
+
+
 def test_what_is_put_down_leaves_no_moments() -> None:
     carries = Term("load_elasticity", shared={"payload": 0.1, "payload_from": 9.0, "other": 1.0})
     put_down(carries, "payload")

@@ -65,7 +65,9 @@ def _swapped(best: Fit, desk: Desk, name: str, kinds: list[type[Effect]]) -> Ite
                 promises = priced(trial) < score(best)
             else:
                 trial = refit(best.context, there, np.inf if again else _half_of(screen, lost))
-                promises = _promises(trial, screen, lost, again)
+                if again and not effect(name).everywhere:  # a joint with more of it bends what all share
+                    trial = _with_some_back(best, trial, name)
+                promises = _promises(trial, screen, lost, name, again)
             if promises:
                 trial = dated(trial, kind.id)
                 if not _is_shown(trial, kind.id):
@@ -161,14 +163,16 @@ def with_what_it_stood_for(was: Fit, trial: Fit) -> Fit:
     return trial
 
 
-def _promises(trial: Fit, screen: Screen, lost: dict[int, float], again: bool) -> bool:
-    """Whether an effect explains by itself half of what the other one did; on two joints at least, if that
-    may come back on the others.
+def _promises(trial: Fit, screen: Screen, lost: dict[int, float], name: str, again: bool) -> bool:
+    """Whether an effect explains by itself half of what the one of that ``name`` did; on two joints at least,
+    if that may come back on the others.
     """
     gained = {c: screen.left(c) - trial.cost[c] for c in lost}
     if not again:
         return sum(gained.values()) > PROMISED * sum(lost.values())
-    return sum(gained[c] > max(PROMISED * loss, SIGNIFICANT) for c, loss in lost.items()) >= SEVERAL
+    back = trial.hypothesis[name].columns if name in trial.hypothesis else []
+    alone = [c for c in lost if c not in back]
+    return sum(gained[c] > max(PROMISED * lost[c], SIGNIFICANT) for c in alone) >= SEVERAL
 
 
 def _polished(best: Fit, desk: Desk, trial: Fit, name: str, goal: float, again: bool) -> Fit:
