@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from trunk_ros.compiled import Array, compiled
-from trunk_ros.guards import ROUNDED
+from trunk_ros.guards import FADED, ROUNDED
 from trunk_ros.machine import FACTORS
 
 
@@ -40,6 +40,8 @@ def innovations(
         size[i] = roots[since]
         out[i] = off / roots[since]
         expected = correlation * expected + gains[since] * off
+        if abs(expected) < FADED:
+            expected = 0.0
         since += 1
 
 
@@ -82,6 +84,8 @@ def innovations_of_two(
         out[i] = off / roots[since]
         expected = correlation * expected + gains[since] * off
         wandered = stays * wandered + others[since] * off
+        if abs(expected) + abs(wandered) < FADED:
+            expected, wandered = 0.0, 0.0
         since += 1
 
 

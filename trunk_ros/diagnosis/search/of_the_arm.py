@@ -80,14 +80,16 @@ def _course(
     """
     changes = (context.whiten_change(_times(one, shape), column) for one in _moments(context, noise))
     design = np.column_stack([*map(thinned, changes)])
-    left, size, right = map(np.asarray, np.linalg.svd(design, full_matrices=False))
-    told = np.flatnonzero(size > SAME * size.max())
-    left, along = left[:, told], left[:, told].T @ rest
+    squared, axes = np.linalg.eigh(design.T @ design)  # a tenth of what the decomposition itself takes
+    told = squared > SAME**2 * squared[-1]
+    size, axes = np.sqrt(squared[told]), axes[:, told]
+    left = design @ (axes / size)
+    along = left.T @ rest
     course = [np.zeros_like(signal) for signal in shape]
-    for value, factor in zip(right[told].T @ (along / size[told]), _moments(context, noise), strict=True):
+    for value, factor in zip(axes @ (along / size), _moments(context, noise), strict=True):
         course = [whole + value * one for whole, one in zip(course, factor, strict=True)]
     usual = float((left**2).sum(axis=1) @ rest**2)
-    chance = usual * float(np.sqrt(2.0 / max(len(told), 1)))
+    chance = usual * float(np.sqrt(2.0 / max(len(along), 1)))
     return course, float(along @ along), usual, chance
 
 
