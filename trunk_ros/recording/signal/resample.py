@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.interpolate import CubicHermiteSpline, CubicSpline, PchipInterpolator
+from scipy.interpolate import CubicHermiteSpline, PchipInterpolator
 
 from trunk_ros.errors import RecordingError
 from trunk_ros.recording.recording import Floats, JointSeries
 from trunk_ros.recording.signal.fill import fill
+from trunk_ros.recording.signal.through_readings import slopes
 
 FINE = 0.0125  # s: a moving arm is computed at least this often
 SLOW = 0.2  # s: recordings slower than this stop and measure; nothing is known of what lies between
@@ -68,11 +69,8 @@ def resample(series: JointSeries, grid: Floats) -> tuple[Floats, Floats]:
         curve = PchipInterpolator(t, position) if len(t) > 1 else None
         values = np.repeat(position, len(grid), axis=0) if curve is None else curve(inside)
         return values, _slope(grid, values)
-    if _fits(series, position):
-        values, slope = _hermite(t, position, fill(np.asarray(series.velocity)), inside)
-    else:
-        spline = CubicSpline(t, position)
-        values, slope = spline(inside), spline(inside, 1)
+    measured = fill(np.asarray(series.velocity)).T if _fits(series, position) else None
+    values, slope = _hermite(t, position, measured, inside)
     for after, before in wide_gaps(t):
         guessed = (inside > t[after]) & (inside < t[before])
         step = (position[before] - position[after]) / (t[before] - t[after])
@@ -81,13 +79,13 @@ def resample(series: JointSeries, grid: Floats) -> tuple[Floats, Floats]:
     return values + beyond * slope, slope
 
 
-def _hermite(t: Floats, position: Floats, velocity: Floats, at: Floats) -> tuple[Floats, Floats]:
+def _hermite(t: Floats, position: Floats, velocity: Floats | None, at: Floats) -> tuple[Floats, Floats]:
     """(m, joints) and its slope at times (m,), joint by joint: the curves take six times the memory of what
-    they go through.
+    they go through. ``velocity``: (joints, n), where it was measured.
     """
     values, slope = np.empty((2, len(at), position.shape[1]))
-    for j, pair in enumerate(zip(position.T, velocity.T, strict=True)):
-        spline = CubicHermiteSpline(t, *pair)
+    for j, column in enumerate(position.T):
+        spline = CubicHermiteSpline(t, column, slopes(t, column, None if velocity is None else velocity[j]))
         values[:, j], slope[:, j] = spline(at), spline(at, 1)
     return values, slope
 
