@@ -63,8 +63,8 @@ def guided(pair: Pair) -> list[MixUp]:
     said = (
         f"guided by hand? {target} of {', '.join(pair.names(which))} leads {source}, which follows through "
         f"a play of ± {wide} {unit}: the joints turned their motors, and wires do not do then what "
-        "they do when motors pull (or the columns of the two sides are exchanged, or the encoder of the motor "
-        "side sits loose on its shaft). Record a motion that the motors make, and diagnose again."
+        "they do when motors pull (or the columns of the two sides are exchanged, or the encoder of the "
+        "motor side sits loose on its shaft). Record a motion that the motors make, and diagnose again."
     )
     return [pair.found("guided", which, said)]
 
