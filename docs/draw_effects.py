@@ -81,7 +81,8 @@ BY_REGIME = {
     "low_speed": SPEED, "high_speed": SPEED, "time": TIME,
 }  # fmt: skip
 OVER: dict[str, Over] = {
-    "transmission_ripple": GEARBOX, "cogging": GEARBOX, "friction_wear": TIME, "link_resonance": STANDING,
+    "transmission_ripple": GEARBOX, "cogging": GEARBOX, "friction_wear": TIME, "friction_warming": TIME,
+    "link_resonance": STANDING,
     "load_elasticity": LOAD, "wire_slack": LOAD, "wire_stiffening": LOAD, "load_dependent_friction": LOAD,
     "load_droop": LOAD, "link_compliance": LOAD, "unknown_cycle": TIME, "unknown_waves": TIME,
     "unknown_jumps": TIME, "unknown_slips": TIME, "unknown_drift": TIME,

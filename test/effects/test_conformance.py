@@ -37,8 +37,8 @@ KNOCKED = 1e-4  # rad: a wire that crosses its dead band at once pulls the link 
 AGREED = 1e-6  # rad: what each block may be off by, where joints see each other
 REGIMES = {"always", "posture", "reversal", "hold", "low_speed", "high_speed", "time"}
 OF_TIME = {
-    "thermal_drift", "wire_slip", "friction_wear", "unknown_jumps", "unknown_slips", "unknown_drift",
-    "unknown_waves",
+    "thermal_drift", "wire_slip", "friction_wear", "friction_warming", "unknown_jumps", "unknown_slips",
+    "unknown_drift", "unknown_waves",
 }  # fmt: skip
 every_effect = pytest.mark.parametrize(("name", "form"), CASES)
 

@@ -23,6 +23,7 @@ TABLE: dict[str, tuple[str, str, dict[str, str], set[str]]] = {
     "load_dependent_friction": ("wire", "reversal", {"gain": "rad/(N*m)"}, set()),
     "stribeck_friction": ("wire", "low_speed", {"amplitude": "rad", "velocity": "rad/s"}, set()),
     "friction_wear": ("wire", "reversal", {"rate": "rad/s"}, set()),
+    "friction_warming": ("wire", "reversal", {"fall": "rad", "time_constant": "s"}, set()),
     "presliding_hysteresis": ("wire", "reversal", {"width": "rad"}, set()),
     "load_elasticity": ("wire", "posture", {"compliance": "rad/(N*m)", "payload": "kg"}, {"payload"}),
     "wire_slack": (

@@ -6,9 +6,7 @@ import numpy as np
 
 from trunk_ros.compiled import Array
 from trunk_ros.effects.effect import Motion, Now
-from trunk_ros.effects.filters import lowpass
 from trunk_ros.effects.wire.travelled import SPEED, Travelled
-from trunk_ros.guards import TINY
 from trunk_ros.parameter import Parameter
 
 LASTS = ("exponential", "heated")
@@ -68,19 +66,11 @@ class ThermalDrift(Travelled):
             gone = now.travelled(state)
             return np.asarray(self["rate"] * gone / self["speed"]), gone[-1]
         if self.form == "heated" and not now.held:
-            heat, state = self._heat(now, state)
+            heat, state = self.heat(now, state)
             return self["amplitude"] * heat, state
         if self.form in LASTS:
             return np.asarray(-self["amplitude"] * np.expm1(-t / self["time_constant"])), None
         return np.asarray(self["rate"] * t), None
-
-    def _heat(self, now: Now, state: Any) -> tuple[Array, Any]:
-        """(n, columns): 1 in the end where a joint goes on at its ``speed``."""
-        memory = np.zeros((2, len(self["speed"]))) if state is None else state.copy()
-        way = np.diff(now.travelled(None), axis=0, prepend=0.0)
-        power, heat = way / np.maximum(now.dt, TINY)[:, None] / self["speed"], np.empty_like(way)
-        lowpass(power, now.dt, self["time_constant"], memory, heat)
-        return heat, memory
 
     def credible(self, now: Now, beside: bool = False) -> bool:
         """It is not over at once: or it is an offset."""

@@ -1,9 +1,13 @@
 """What goes with the way that a joint goes to and fro, stated as what it makes in time at a mean speed."""
 
+from typing import Any
+
 import numpy as np
 
 from trunk_ros.compiled import Array
 from trunk_ros.effects.effect import Effect, Now
+from trunk_ros.effects.filters import lowpass
+from trunk_ros.guards import TINY
 from trunk_ros.parameter import Parameter
 
 SPEED = Parameter(
@@ -23,3 +27,11 @@ class Travelled(Effect):
             return super().grid(parameter, now, column, rest)
         mean = np.sum(np.abs(now.speed[:, column]) * now.dt) / max(np.sum(now.dt), 1e-9)
         return (float(np.clip(mean, *SPEED.bounds)),)
+
+    def heat(self, now: Now, state: Any) -> tuple[Array, Any]:
+        """(n, columns): 1 in the end where a joint goes on at its ``speed``."""
+        memory = np.zeros((2, len(self["speed"]))) if state is None else state.copy()
+        way = np.diff(now.travelled(None), axis=0, prepend=0.0)
+        power, heat = way / np.maximum(now.dt, TINY)[:, None] / self["speed"], np.empty_like(way)
+        lowpass(power, now.dt, self["time_constant"], memory, heat)
+        return heat, memory
