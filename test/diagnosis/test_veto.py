@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from test.diagnosis.arms import recorded
+from test.diagnosis.arms import recorded, reshaped
 from test.diagnosis.search.looks import ARMS, context, drawn_beside_a_ratio, fitted
 from trunk_ros.data.align import wire_span
 from trunk_ros.diagnosis.context import Context
@@ -18,7 +18,9 @@ from trunk_ros.diagnosis.evidence.unseen import unrepeated, unseen
 from trunk_ros.diagnosis.evidence.veto import believed, harmless
 from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
 from trunk_ros.diagnosis.resources.work import Work
+from trunk_ros.diagnosis.search.credible import unshown
 from trunk_ros.diagnosis.search.fit import Fit, costed, refit
+from trunk_ros.diagnosis.search.moves.drop import dropped
 from trunk_ros.diagnosis.search.score import beats
 from trunk_ros.effects import effect
 from trunk_ros.model import load_model
@@ -218,3 +220,27 @@ def test_evidence_counts_as_work_of_the_diagnosis() -> None:
     believed(counted, counted)
     assert counted.context.work.done > 0
     assert not counted.context.work.over
+
+
+def test_a_name_that_is_bent_to_a_curve_once_another_one_is_gone_goes_as_well(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Beside a slip that was none it was a ripple; alone it was a third of a period, at 95 %."""
+    model, made = load_model("trunk"), recorded(None, 40.0)
+    shown = made.series["joint_states"]
+    angle = shown.position[:, 2]
+    bent = shown.position + np.outer(0.02 * np.sin(1.2 * angle / np.ptp(angle) + 0.4), np.arange(5) == 2)
+    there = context("clean").over([wire_span(reshaped(made, "joint_states", position=bent), model)])
+    turns = np.ptp(made.series["gearbox_states"].position[:, 2]) / (2.0 * np.pi)
+    wave = {"amplitude": 2e-4, "cycles_per_rev": 1.8 / turns, "phase": 0.4}
+    slip = Term("wire_slip", own={2: {"onset": 20.0, "step": 5e-3}})
+    ripple = Term("transmission_ripple", "sine", own={2: wave})
+    now = costed(there, Hypothesis(wire_slip=slip, transmission_ripple=ripple))
+    assert unshown(now.context, now.hypothesis) == 0
+    alone = dropped(now, "wire_slip", 2)
+    assert unshown(alone.context, alone.hypothesis) == 1
+    harmful, worst = iter([("wire_slip", 2)]), veto._worst
+    monkeypatch.setattr(veto, "_worst", lambda *asked: next(harmful, None) or worst(*asked))
+    kept = harmless(now)
+    assert "transmission_ripple" not in kept.hypothesis
+    assert kept.cost[2] < 0.1 * now.cost[2]

@@ -17,7 +17,9 @@ from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
 from trunk_ros.diagnosis.resources.cores import each
 from trunk_ros.diagnosis.search.candidates import usable
 from trunk_ros.diagnosis.search.credible import unshown
+from trunk_ros.diagnosis.search.descent import Desk, descend
 from trunk_ros.diagnosis.search.fit import Fit, groups, refit
+from trunk_ros.diagnosis.search.moves import CURVE, DROP
 from trunk_ros.diagnosis.search.moves.drop import dropped
 from trunk_ros.diagnosis.search.score import BETTER, beats, by_values, score
 from trunk_ros.diagnosis.search.state import moments_of
@@ -150,13 +152,20 @@ def harmless(state: Fit, doubted: Collection[str] = ()) -> Fit:
     these, and as of what has no name: for them as well nothing speaks but that they help.
 
     One at a time, the worst first, as far as the work goes that is granted for that. What the model has
-    already stays.
+    already stays. A name that is bent, without another one, to what the motion cannot show goes as well, and
+    a curve may stand in for it.
     """
     known: dict[Hashable, Array] = {}
     granted, work = state.context.work, state.context.work.besides()
-    state = state.working(work)
-    while not work.over and (worst := _worst(state, known, doubted)) is not None:
-        before, state = state.context, dropped(state, *worst)
+    state, bent = state.working(work), unshown(state.context, state.hypothesis)
+    while not work.over:
+        before = state.context
+        if (worst := _worst(state, known, doubted)) is not None:
+            state = dropped(state, *worst)
+        elif unshown(state.context, state.hypothesis) > bent:
+            state, bent = descend(state, (DROP, CURVE), Desk()), unshown(state.context, state.hypothesis)
+        else:
+            break
         known = known if state.context is before else {}
     granted.took(work)
     return state.working(granted)
