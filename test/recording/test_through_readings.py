@@ -13,6 +13,7 @@ from trunk_ros.effects.wire.play import SharpPlay
 from trunk_ros.model import Model
 from trunk_ros.recording.recording import JointSeries, Recording
 from trunk_ros.recording.signal.resample import resample
+from trunk_ros.recording.staggered import at_stamps
 
 FINE = np.arange(0.0, 40.0, 1e-3)
 BAND = 1.5e-3  # rad
@@ -56,6 +57,16 @@ def test_a_measured_velocity_that_is_late_does_not_take_it_there_either() -> Non
     curve = resample(replace(read, velocity=late[:, None]), inside)[0]
     swung = np.ptp(curve) - np.ptp(read.position)
     assert swung < 1e-6
+
+
+def test_nor_do_motors_with_a_topic_each_that_are_brought_to_one_time() -> None:
+    read = _series(50.0, _abrupt(np.random.default_rng(3)))
+    own, there = read.position[:, 0], read.stamp[:-1] + 0.007
+    swung = [
+        np.ptp(at_stamps(there, read.stamp, own, False, driving)) - np.ptp(own) for driving in (True, False)
+    ]
+    assert swung[0] < 1e-6
+    assert swung[1] > 1e-3
 
 
 @pytest.mark.parametrize("rate", [20.0, 100.0])

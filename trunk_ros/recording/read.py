@@ -182,7 +182,7 @@ def _assemble(path: Path, contents: Contents, decoders: dict[str, Decoder], rema
     remarks += [f"read up to {duration:.6g} s"] if contents.damage else []
     remarks += series_remarks(series, counts)
     tip = _tip(series.pop(TIP, None), full.get(TIP))
-    met = {key: brought_together(each, key in HELD) for key, each in series.items()}
+    met = {key: brought_together(each, key in HELD, key == "gearbox_states") for key, each in series.items()}
     remarks += [f"{TOPICS[key]}: {said}" for key, (_, said) in met.items() if said]
     noted, custom, units = _custom(contents.custom)
     series = {key: each for key, (each, _) in met.items()}

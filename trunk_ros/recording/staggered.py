@@ -2,10 +2,11 @@
 
 import numpy as np
 import numpy.typing as npt
-from scipy.interpolate import CubicSpline
+from scipy.interpolate import CubicHermiteSpline, CubicSpline
 
 from trunk_ros.recording.messages.block import Whole
 from trunk_ros.recording.recording import Floats, JointSeries
+from trunk_ros.recording.signal.through_readings import slopes
 
 HELD = ("setpoints", "reference")  # what holds until the next sample
 _GAP = 2.5  # periods; nothing is known of what lies in it
@@ -28,10 +29,11 @@ def apart(series: JointSeries) -> list[JointSeries]:
     return [_rows(series, np.flatnonzero(group), known[:, group]) for group in groups]
 
 
-def brought_together(series: JointSeries, held: bool) -> tuple[JointSeries, str]:
+def brought_together(series: JointSeries, held: bool, driving: bool = False) -> tuple[JointSeries, str]:
     """All joints at the stamps of those with the most samples, and what was done to the others, in words.
 
-    Positions are interpolated by a cubic spline, or held until the next sample; NaN within gaps.
+    Positions are interpolated by a cubic spline, of ``driving`` shafts by one that does not swing past the
+    place where they stop, or held until the next sample; NaN within gaps.
     """
     parts = apart(series)
     if len(parts) == 1:
@@ -44,7 +46,7 @@ def brought_together(series: JointSeries, held: bool) -> tuple[JointSeries, str]
         for into, given in zip(values, (part.position, part.velocity, part.effort), strict=True):
             for number, joint in enumerate(part.joints if given is not None else ()):
                 assert given is not None
-                into[:, columns[joint]] = at_stamps(stamp, part.stamp, given[:, number], held)
+                into[:, columns[joint]] = at_stamps(stamp, part.stamp, given[:, number], held, driving)
     others = ", ".join(joint for joint in series.joints if joint not in leading.joints)
     how = "held until their next sample" if held else "interpolated"
     said = f"joints were sampled at different times: {others} {how} to the stamps of {leading.joints[0]}"
@@ -52,14 +54,20 @@ def brought_together(series: JointSeries, held: bool) -> tuple[JointSeries, str]
     return JointSeries(stamp, series.joints, values[0], velocity, effort), said
 
 
-def at_stamps(stamp: Floats, given_at: Floats, given: Floats, held: bool) -> Floats:
+def at_stamps(stamp: Floats, given_at: Floats, given: Floats, held: bool, driving: bool = False) -> Floats:
     """Values (n,) at other stamps (m,); NaN outside of the given ones, and within gaps."""
     known = np.isfinite(given)
     at, values = given_at[known], given[known]
     if len(at) < 2 or np.array_equal(stamp, given_at):
         return given if np.array_equal(stamp, given_at) else np.full(len(stamp), np.nan)
     before = np.clip(np.searchsorted(at, stamp, side="right") - 1, 0, len(at) - 2)
-    found: Floats = values[before + (stamp >= at[-1])] if held else CubicSpline(at, values)(stamp)
+    found: Floats
+    if held:
+        found = values[before + (stamp >= at[-1])]
+    elif driving:
+        found = CubicHermiteSpline(at, values, slopes(at, values, None))(stamp)
+    else:  # noise of a joint's readings stays what it is
+        found = CubicSpline(at, values)(stamp)
     outside = (stamp < at[0]) | ((stamp > at[-1]) & (not held))
     far = np.diff(at)[before] > _GAP * np.median(np.diff(at))
     exact = np.isin(stamp, at)
