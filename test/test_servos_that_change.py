@@ -59,3 +59,22 @@ def test_servos_that_change_come_out_as_each_by_itself(often: bool, monkeypatch:
         got, after = run_servo(one_of(core, j), alone, asked, stamp, fresh(np.zeros(1)))
         assert np.array_equal(got[:, 0], together[:, j])
         assert np.array_equal(after[:, 0], state[:, j], equal_nan=True)
+
+
+@pytest.mark.parametrize(("columns", "loop"), [(2, "servo_loop"), (COLUMNS, "servo_loops")])
+def test_numbers_of_any_layout_in_memory_are_stepped_by_one_compiled_loop(
+    columns: int, loop: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Each layout compiles for seconds."""
+    stamp = stamps(20, 100.0)
+    now, seen = surroundings(stamp, columns), []
+    numbers = np.outer(np.linspace(0.8, 1.2, columns), [20.0, 0.02, 1.5, 0.01, 0.0]).T
+    core = servo_core(arm_of(columns), (), now, numbers)
+    core.cogging = np.full((columns, len(stamp)), 1e-3).T
+    core.hardest = np.full((columns, len(stamp)), 9.0).T
+    core.quickest = np.where(np.arange(len(stamp)) < 700, 0.5, 0.4)[:, None] + np.zeros((1, columns))
+    stepped = getattr(servo_run, loop)
+    monkeypatch.setattr(servo_run, loop, lambda *a: (seen.append(a), stepped(*a)))
+    run_servo(core, now, np.zeros((len(stamp), columns)), stamp, fresh(np.zeros(columns)))
+    assert seen
+    assert all(a.flags.c_contiguous for one in seen for a in one if isinstance(a, np.ndarray))

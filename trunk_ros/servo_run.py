@@ -169,7 +169,7 @@ def _step(
     reached = np.where(core.rub.any(axis=0), np.maximum(core.reach, np.abs(core.rub).max(axis=0)), 0.0)
     edges = _changes(core, len(out)) if out.shape[1] >= SEVERAL else []
     if not edges:
-        cogging = np.stack(np.broadcast_arrays(core.cogging, *core.teeth))
+        cogging = _stacked(core.cogging, *core.teeth)
         numbers = core.kp, core.tau_v, *core.tops, core.delay, core.pull, core.load, core.torque, core.rub
         kp, tau_v, up, down, delay, pull, load, torque, rub = map(np.ascontiguousarray, numbers)
         servo_loop(
@@ -192,19 +192,24 @@ def _side_by_side(
     out: Array,
 ) -> None:
     """Step loops of which nothing but the load and what pulls changes."""
-    numbers = core.kp, core.tau_v, *core.tops, core.delay, core.torque, core.rub
-    kp, tau_v, up, down, delay, torque, rub = (number[0] for number in numbers)
+    numbers = core.kp, core.tau_v, *core.tops, core.delay, core.torque, core.rub, core.ki
+    kp, tau_v, up, down, delay, torque, rub, ki = (np.ascontiguousarray(number[0]) for number in numbers)
     pull, load, zone = (np.zeros_like(out) + number for number in (core.pull, core.load, core.dead_zone))
-    cogging = np.stack([core.cogging[0], *core.teeth[:, 0]])
+    cogging = _stacked(core.cogging[0], *core.teeth[:, 0])
     servo_loops(
         setpoints, stamps, kp, tau_v, up, down, delay, pull, load, torque, rub, reached, zone, cogging,
-        _limits(core)[:, 0], core.ki[0], beside, core.ahead, skip, state, out,
+        np.ascontiguousarray(_limits(core)[:, 0]), ki, beside, core.ahead, skip, state, out,
     )  # fmt: skip
 
 
 def _limits(core: Core) -> Array:
     limits = core.paces, core.hardest, core.dry, core.windup, core.ramp, core.told
-    return np.stack(np.broadcast_arrays(*limits))
+    return _stacked(*limits)
+
+
+def _stacked(*numbers: Array) -> Array:
+    """Numbers one above the other, always in one layout in memory: each other one compiles the loops anew."""
+    return np.ascontiguousarray(np.stack(np.broadcast_arrays(*numbers)))
 
 
 def _changes(core: Core, rows: int) -> list[int]:

@@ -67,7 +67,7 @@ def _paths(stamp: Array, asked: Array, went: Array) -> Array:
     steps = np.diff(stamp)
     speeds = np.abs(np.diff(went)[steps > 0.0] / steps[steps > 0.0])
     tops = (np.inf, float(np.quantile(speeds, 1.0 - OUTLIERS)))
-    gain, delay, top = np.array([*product(GAINS, DELAYS, tops)]).T
+    gain, delay, top = map(np.array, zip(*product(GAINS, DELAYS, tops), strict=True))
     many = len(gain)
     none, paths = np.zeros((1, many)), np.empty((len(stamp), many))
     loop = gain[None], 1.0 / (4.0 * gain[None]), top[None], top[None], delay[None]  # critically damped
