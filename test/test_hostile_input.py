@@ -12,13 +12,14 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import numba
 import numpy as np
 import pytest
 import yaml
 
 from test.diagnosis.arms import of_the_wires, recorded
-from trunk_ros import compiled
 from trunk_ros.__main__ import main
+from trunk_ros.compiled import compiled
 from trunk_ros.errors import TrunkError, printable
 from trunk_ros.model import Model, load_model, save_model
 from trunk_ros.recording.importing.csv import read_csv
@@ -253,8 +254,8 @@ def test_loops_are_compiled_anew_where_no_cache_can_be_written(monkeypatch) -> N
             raise RuntimeError("cannot cache function 'twice': no locator available for file 'x.py'")
         return lambda function: function
 
-    monkeypatch.setattr(compiled, "njit", unwritable)
-    assert compiled.compiled(_twice)(2.0) == 4.0
+    monkeypatch.setattr(numba, "njit", unwritable)
+    assert compiled(_twice)(2.0) == 4.0
 
 
 def _twice(x: float) -> float:

@@ -1,26 +1,46 @@
-"""numba's ``njit`` with a type that strict checking understands."""
+"""numba's ``njit`` with a type that strict checking understands, and without numba until something is run."""
 
 from collections.abc import Callable
+from functools import cached_property, update_wrapper
 from typing import Any, TypeVar, cast
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 Array = NDArray[np.float64]
 
 
-def compiled(function: Function) -> Function:
-    """Compile a loop over time; the machine code is cached where that can be written.
+class Compiled:
+    """A function that numba compiles when it is first called, from Python or from one that is compiled."""
 
-    Division by zero gives inf, as in numpy.
-    """
-    options: dict[str, Any] = {"nogil": True, "error_model": "numpy"}
-    try:
-        return cast(Function, njit(cache=True, **options)(function))
-    except RuntimeError:  # neither the package's folder nor the user's cache can be written
-        return cast(Function, njit(**options)(function))
+    def __init__(self, function: Callable[..., Any]):
+        update_wrapper(self, function)
+        self.function = function
+
+    @cached_property
+    def machine(self) -> Any:
+        """The function as numba has it; the machine code is cached where that can be written."""
+        from numba import njit  # a third of the time in which a node starts, and some run no loop
+
+        options: dict[str, Any] = {"nogil": True, "error_model": "numpy"}
+        try:
+            return njit(cache=True, **options)(self.function)
+        except RuntimeError:  # neither the package's folder nor the user's cache can be written
+            return njit(**options)(self.function)
+
+    @property
+    def _numba_type_(self) -> Any:
+        """What numba asks objects for that compiled code names."""
+        return self.machine._numba_type_
+
+    def __call__(self, *arguments: Any) -> Any:
+        return self.machine(*arguments)
+
+
+def compiled(function: Function) -> Function:
+    """Compile a loop over time. Division by zero gives inf, as in numpy."""
+    return cast(Function, Compiled(function))
 
 
 @compiled

@@ -5,9 +5,11 @@ from __future__ import annotations
 import ctypes
 import mmap
 import os
+import re
 from contextlib import suppress
 
 RETURNED = 2**22  # bytes: less than one joint of two hours has
+MAPPING = re.compile(rb"^(?:([0-9a-f]+)-([0-9a-f]+) (.*)|Anonymous: +0 kB)$", re.MULTILINE)
 
 
 def keep_what_is_freed() -> None:
@@ -41,13 +43,12 @@ def _as_on_disk() -> list[tuple[int, int]]:
     """Where memory is as it is in the file of a library, and of which size: nothing was written there, as by
     a linker or a debugger, that would be lost (proc_pid_smaps(5)).
     """
-    found, begin, end, reads = [], 0, 0, False
-    with open("/proc/self/smaps") as mapped:
-        for line in mapped:
-            name, *words = line.split()
-            if name == "Anonymous:" and words[0] == "0" and reads:
+    found, begin, end = [], 0, 0
+    with open("/proc/self/smaps", "rb") as mapped:
+        for start, stop, words in MAPPING.findall(mapped.read()):
+            if start:
+                reads = words[:5] in (b"r-xp ", b"r--p ") and b" /" in words
+                begin, end = (int(start, 16), int(stop, 16)) if reads else (0, 0)
+            elif end:
                 found.append((begin, end - begin))
-            elif not name.endswith(":"):
-                begin, end = (int(at, 16) for at in name.split("-"))
-                reads = words[0] in ("r-xp", "r--p") and words[-1].startswith("/")
     return found

@@ -1,7 +1,6 @@
 """Where a residual swings periodically over something."""
 
 import numpy as np
-from scipy.fft import fft, next_fast_len
 
 from trunk_ros.compiled import Array
 from trunk_ros.cubic import cubic
@@ -60,13 +59,19 @@ def periods(x: Array, rest: Array, low: float, high: float, most: int = 3) -> tu
 
 def _together(cells: int) -> int:
     """How many cells a spectrum is taken of: of long recordings as many as take no further memory."""
-    return cells if cells <= ENOUGH else int(next_fast_len(cells))
+    if cells <= ENOUGH:
+        return cells
+    from scipy.fft import next_fast_len  # of searches alone: importing it takes a node 0.2 s
+
+    return int(next_fast_len(cells))
 
 
 def _lines(sums: Array | np.ndarray, many: int, most: int) -> Array:
     """The first ``most`` lines of a spectrum of ``many`` cells in FINER steps each, of ``sums`` (n,) and
     nothing behind them. One step after the other: all at once they take FINER times the memory.
     """
+    from scipy.fft import fft  # of searches alone: importing it takes a node 0.2 s
+
     own, both = ("float64", "complex128") if many <= ENOUGH else ("float32", "complex64")
     step = np.zeros(len(sums), both)
     step.imag = np.arange(len(sums), dtype=own) * (-2.0 * np.pi / (FINER * many))
