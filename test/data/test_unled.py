@@ -73,7 +73,7 @@ def test_servos_that_droop_or_stand_or_bear_a_load_are_none() -> None:
 
 
 def test_nothing_is_said_of_such_a_servo_and_the_others_are_judged(tmp_path: Path) -> None:
-    told = diagnose([elsewhere(recorded_servos(PLAIN, seconds=60.0), (1,))], DIRECT)
+    told = diagnose([elsewhere(recorded_servos(PLAIN, seconds=20.0), (1,))], DIRECT)
     assert [(rest.stage, rest.joints) for rest in told.unexplained] == [("servo", [JOINTS[1]])]
     assert set(told.stages["servo"]["joints"]) == {JOINTS[0], JOINTS[2]}
     assert told.stages["servo"]["silent"] == []

@@ -20,7 +20,7 @@ pytestmark = marks(WRIST)
 @pytest.fixture(scope="module")
 def result() -> Diagnosis:
     """From a part of the run that docs/real.md takes 70 % of: it shows the cross-talk as well."""
-    return diagnosed(WRIST, "train_random", WRIST, until="25%", joints=COUPLED)
+    return diagnosed(WRIST, "train_random", WRIST, until="12%", joints=COUPLED)
 
 
 def rms(result: Diagnosis, name: str) -> np.ndarray:
