@@ -10,15 +10,18 @@ from dataclasses import replace
 
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.disturbances.arrivals import arrived
+from trunk_ros.diagnosis.resources.work import Work
+from trunk_ros.diagnosis.search.candidates import DYNAMIC
 from trunk_ros.diagnosis.search.descent import Desk, Move, descend, of
 from trunk_ros.diagnosis.search.fit import Fit, costed, refit
 from trunk_ros.diagnosis.search.formed import measured
 from trunk_ros.diagnosis.search.looked_again import renewed
-from trunk_ros.diagnosis.search.moves import CURVE, DROP, FURTHER_JOINTS, MOVES, NAMED, PLAINER
+from trunk_ros.diagnosis.search.moves import CURVE, DROP, EARLY_CURVE, FURTHER_JOINTS, MOVES, NAMED, PLAINER
 from trunk_ros.diagnosis.search.moves.add import additions
 from trunk_ros.diagnosis.search.score import beats, score
 from trunk_ros.effects import effect
 from trunk_ros.levels import LITTLE, REFITTED
+from trunk_ros.recording.signal.resample import SLOW
 
 
 def search(context: Context, desk: Desk) -> Fit:
@@ -26,7 +29,7 @@ def search(context: Context, desk: Desk) -> Fit:
     even where the work that was granted is done, as far as what is granted on top goes. What is claimed is
     judged in the noise that it leaves itself: what was left out since had told another one.
     """
-    first = renewed(begun(context))
+    first = told_by_speed(context, desk) or renewed(begun(context))
     best = descend(first, MOVES, desk, steady=True)
     others = sorted(additions(first, desk), key=score)[1:REFITTED] if incomplete(best) else []
     for other in others:
@@ -39,6 +42,35 @@ def search(context: Context, desk: Desk) -> Fit:
     for moves in ((DROP, PLAINER, FURTHER_JOINTS), (DROP, CURVE, NAMED)) if over else ((DROP,),):
         done = _besides(done, moves, desk)
     return plain(done)
+
+
+def told_by_speed(context: Context, desk: Desk) -> Fit | None:
+    """What explains a recording with what goes by speed, where all loops are wide and the motion looks alike
+    throughout: any lag is a form of such a loop, so it is believed where names leave only noise with it, and
+    do not without. None else; of the columns of what is returned none is hidden by its loop.
+    """
+    if context.speed_tells or context.step >= SLOW:
+        return None
+    granted = context.work.besides()
+    found = _named(replace(context, wide=frozenset(), work=granted), desk)
+    without = Work(granted.done)
+    if _leaves_noise(found) and any(effect(name).regime in DYNAMIC for name in found.hypothesis):
+        as_well = _leaves_noise(_named(replace(context, work=without), desk))
+    else:
+        as_well = True
+    for work in (granted, without):
+        context.work.took(work)
+    return None if as_well else found.working(context.work)
+
+
+def _named(context: Context, desk: Desk) -> Fit:
+    """What names explain, as far as the work that is granted goes."""
+    names = [move for move in MOVES if move not in (CURVE, EARLY_CURVE)]
+    return descend(renewed(begun(context)), names, Desk(desk.say), steady=True)
+
+
+def _leaves_noise(found: Fit) -> bool:
+    return not found.context.work.over and all(found.beyond_noise(c) <= 0.0 for c in found.cost)
 
 
 def _settling(best: Fit) -> list[Move]:

@@ -55,6 +55,7 @@ def searched(context: Context, say: Callable[[str], None]) -> Searched:
     give_back(libraries=True)
     first = search(replace(some, work=granted()), Desk(lambda text: say(f"excerpt: {text}")))
     first.context.forget()  # nobody asks for it until rivals are fitted
+    context = replace(context, wide=first.context.wide)
     say("the whole recording")
     give_back(libraries=True)
     state = _on_the_whole(context, first.hypothesis, Desk(lambda text: _tidied(say, text)))

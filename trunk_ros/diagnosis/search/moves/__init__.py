@@ -43,4 +43,16 @@ MOVES = (
 what each has, names before curves where names may do.
 """
 
-__all__ = ["ADD", "CURVE", "DROP", "FURTHER_JOINTS", "MOVES", "NAMED", "ONSET", "PLAINER", "SWAP", "SWAP_ALL"]
+__all__ = [
+    "ADD",
+    "CURVE",
+    "DROP",
+    "EARLY_CURVE",
+    "FURTHER_JOINTS",
+    "MOVES",
+    "NAMED",
+    "ONSET",
+    "PLAINER",
+    "SWAP",
+    "SWAP_ALL",
+]
