@@ -42,9 +42,15 @@ class Work:
 
     def took(self, more: Work) -> None:
         """Count what was done on top; where that was not enough, the work that was granted is spent."""
+        over = more.over
+        self.was_beside(more)
+        self.most = self.done if over else self.most
+
+    def was_beside(self, more: Work) -> None:
+        """Count what was done beside: it is no part of what was granted."""
         self.done += more.done
         self.on_top += more.done
-        self.most = self.done if more.over else self.most + more.done
+        self.most += more.done
 
 
 def steps_of(hypothesis: Hypothesis, column: int) -> int:

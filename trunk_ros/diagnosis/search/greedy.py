@@ -59,7 +59,7 @@ def told_by_speed(context: Context, desk: Desk) -> Fit | None:
     else:
         as_well = True
     for work in (granted, without):
-        context.work.took(work)
+        context.work.was_beside(work)
     return None if as_well else found.working(context.work)
 
 
