@@ -105,6 +105,14 @@ def test_what_a_steady_motion_does_to_joints_that_are_alike_is_no_hum(model: Mod
     assert clocks_put_right(_recording(alike, 0.0 * moving, moving), model).observed == ()
 
 
+def test_overtones_of_one_swing_are_of_the_play_that_it_goes_through(model: Model) -> None:
+    """They are of one size on joints that are alike, and come back as often as the swing does."""
+    swing = 0.5 * np.sin(2 * np.pi * 0.3 * STAMP[:, None] + PHASES)
+    wide = replace(model, arm=replace(model.arm, dead_band=np.full(5, 0.12)))
+    recording = _recording(wide, np.zeros_like(swing), swing)
+    assert hums(recording.series["gearbox_states"], recording.series["joint_states"], model.arm) == []
+
+
 def test_where_most_joints_swing_physics_may_make_waves_of_one_size(model: Model) -> None:
     """However far behind: a joint answers by its ratio, its friction, or the load of all."""
     swings = 0.3 * np.sin(2 * np.pi * FREQUENCY * STAMP[:, None] + 1.7 * PHASES)

@@ -26,7 +26,7 @@ from trunk_ros.data.sensing.physics import (
 )
 from trunk_ros.data.spectrum import spectrum
 from trunk_ros.guards import BLIND, TINY
-from trunk_ros.levels import CERTAIN, CHANCE, HALF, JOINTS, SURE
+from trunk_ros.levels import CERTAIN, CHANCE, HALF, JOINTS, SURE, TENFOLD
 from trunk_ros.recording.recording import JointSeries
 
 LINE, BINS = 2, 16  # bins of the spectrum beside a tone that show what else there is
@@ -140,9 +140,7 @@ def tone(
     unlike = float(np.sum(weight * (sizes - mean) ** 2))
     if mean < CERTAIN * known or CERTAIN * float(np.median(std)) > mean:  # else any sizes are alike
         return None
-    plain = [Band.of(stamp, first, one[:, None]) for one in asked]
-    driving = _Waves(plain, [np.empty((0, 0))] * len(plain), twice, len(stamp))
-    if unlike > chdtri(len(sizes) - 1, CHANCE) or _driven(frequency, stamp, driving):
+    if unlike > chdtri(len(sizes) - 1, CHANCE) or _driven(frequency, stamp, list(asked)):
         return None
     return Hum(frequency, mean, known, seen)
 
@@ -168,14 +166,24 @@ def _shared(stamp: Array, waves: _Waves, power: Array, first: float) -> float:
     return float(found.x)
 
 
-def _driven(frequency: float, stamp: Array, asked: _Waves) -> bool:
-    """Whether the motion that was ``asked`` may make waves of a frequency: most joints swing with it, whose
-    load bears on all; every one, where a line is too slow to stand out from what is slower.
+def _driven(frequency: float, stamp: Array, asked: list[Array]) -> bool:
+    """Whether motions (n,) that were ``asked`` may make waves of a frequency: most joints swing with it,
+    whose load bears on all, or so many times more slowly, as friction makes overtones of a swing; every one,
+    where a line is too slow to stand out from what is slower.
     """
-    own, beside = _lines(frequency, stamp, asked)
-    swings = np.hypot(*own) > SURE * beside
-    few = frequency * float(np.ptp(stamp)) <= COMES_BACK
-    return bool(swings.all() if few else np.mean(swings) > HALF)
+    times = frequency * float(np.ptp(stamp)) / COMES_BACK
+    if times <= 1.0:
+        return bool(_swings(frequency, stamp, asked).all())
+    slower = range(1, 1 + int(min(times, TENFOLD)))
+    return any(np.mean(_swings(frequency / k, stamp, asked)) > HALF for k in slower)
+
+
+def _swings(frequency: float, stamp: Array, asked: list[Array]) -> np.ndarray:
+    """(signals,) whether each swings at a frequency."""
+    plain = [Band.of(stamp, frequency, one[:, None]) for one in asked]
+    twice = Band.of(stamp, 2.0 * frequency, np.ones((len(stamp), 1)))
+    own, beside = _lines(frequency, stamp, _Waves(plain, [np.empty((0, 0))] * len(plain), twice, len(stamp)))
+    return np.asarray(np.hypot(*own) > SURE * beside)
 
 
 def _lines(frequency: float, stamp: Array, waves: _Waves) -> tuple[Array, Array]:

@@ -47,20 +47,21 @@ def search(context: Context, desk: Desk) -> Fit:
 def told_by_speed(context: Context, desk: Desk) -> Fit | None:
     """What explains a recording with what goes by speed, where all loops are wide and the motion looks alike
     throughout: any lag is a form of such a loop, so it is believed where names leave only noise with it, and
-    do not without. None else; of the columns of what is returned none is hidden by its loop.
+    none do without it that are better. None else; of the columns of what is returned none is hidden by its
+    loop.
     """
     if context.speed_tells or context.step >= SLOW:
         return None
     granted = context.work.besides()
     found = _named(replace(context, wide=frozenset(), work=granted), desk)
+    context.work.was_beside(granted)
+    if not _leaves_noise(found) or not any(effect(name).regime in DYNAMIC for name in found.hypothesis):
+        return None
     without = Work(granted.done)
-    if _leaves_noise(found) and any(effect(name).regime in DYNAMIC for name in found.hypothesis):
-        as_well = _leaves_noise(_named(replace(context, work=without), desk))
-    else:
-        as_well = True
-    for work in (granted, without):
-        context.work.was_beside(work)
-    return None if as_well else found.working(context.work)
+    other = _named(replace(context, work=without), desk)
+    context.work.was_beside(without)
+    better = _leaves_noise(other) and better_of(found, other) is other
+    return None if better else found.working(context.work)
 
 
 def _named(context: Context, desk: Desk) -> Fit:

@@ -1,0 +1,59 @@
+"""A lag beside wide loops is believed where nothing else leaves only noise."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from test.diagnosis.arms import setpoints_of
+from trunk_ros.chain import Chain
+from trunk_ros.compiled import Array
+from trunk_ros.data.align import wire_span
+from trunk_ros.diagnosis.context import Context
+from trunk_ros.diagnosis.first_look import first_look
+from trunk_ros.diagnosis.search.descent import Desk
+from trunk_ros.diagnosis.search.greedy import told_by_speed
+from trunk_ros.diagnosis.search.long import WORK, granted
+from trunk_ros.diagnosis.stages.wire import WireStage
+from trunk_ros.model import Model, load_model
+from trunk_ros.recording.recording import JointSeries, Recording
+
+JOINTS = ("shoulder", "elbow")
+
+
+def looked_at(effects: dict[str, Any], phi: Array) -> Context:
+    """An arm of which nothing is known, whose motors went ``phi`` (n, 2) rad at 100 Hz."""
+    model, stamp = load_model("direct").for_joints(JOINTS), np.arange(len(phi)) / 100
+    theta, _ = Chain(Model(model.arm, effects), "wire").run(phi, stamp)
+    theta = theta + 1e-4 * np.random.default_rng(0).standard_normal(theta.shape)
+    motors, joints = JointSeries(stamp, JOINTS, phi), JointSeries(stamp, JOINTS, theta)
+    series = {"gearbox_states": motors, "joint_states": joints}
+    span = wire_span(Recording("run", 0, float(stamp[-1]), series), model)
+    context = replace(first_look(WireStage([span], model)), work=granted())
+    assert not context.speed_tells
+    return context
+
+
+def test_late_readings_of_a_short_recording_are_no_wide_loop() -> None:
+    """Without what goes by speed, names and curves had been fitted to them for a minute."""
+    late = {
+        "sensor_delay": {"delay": 0.03},
+        "ratio_error": {"relative": np.array([0.03, 0.0])},
+        "backlash": {"half_width": np.array([0.0, 4e-3])},
+    }
+    context = looked_at(late, setpoints_of(7.0, 2))
+    found = told_by_speed(context, Desk())
+    assert found is not None
+    assert found.hypothesis.keys() == late.keys()
+    assert found.hypothesis["sensor_delay"].shared["delay"] == pytest.approx(0.03, rel=0.01)
+    assert context.work.most - context.work.done == pytest.approx(WORK), "it is no part of what is granted"
+
+
+def test_a_wide_play_under_one_swing_is_a_wide_loop() -> None:
+    stamp = np.arange(1500)[:, None] / 100
+    swing = np.array([0.5, 0.4]) * np.sin(2.0 * np.pi * np.array([0.3, 0.23]) * stamp)
+    context = looked_at({"backlash": {"half_width": np.array([0.12, 0.1])}}, swing)
+    assert told_by_speed(context, Desk()) is None
