@@ -188,8 +188,9 @@ T = np.arange(0.0, 20.0, 0.002)
 
 
 def under_setpoints(stamp: np.ndarray, went: np.ndarray, kept: np.ndarray | None = None) -> Recording:
-    """What servos did under setpoints (n,) rad at stamps (n,) s, which are recorded where they were kept."""
-    setpoints = JointSeries(stamp, TRUNK.arm.joints, np.outer(went, np.ones(5)))
+    """What servos did under setpoints (n,) or (n, 5) rad at stamps (n,) s, recorded where they were kept."""
+    position = went if went.ndim == 2 else np.outer(went, np.ones(5))
+    setpoints = JointSeries(stamp, TRUNK.arm.joints, position)
     gearbox = servo_course(setpoints, stamp, TRUNK)
     seen = setpoints if kept is None else setpoints.rows(kept)
     return Recording("made", 0, float(stamp[-1]), {"setpoints": seen, "gearbox_states": gearbox})
@@ -212,12 +213,40 @@ def test_a_single_setpoint_that_is_lost_on_an_even_way_hides_nothing() -> None:
     assert worst(ServoStage([span], TRUNK)) < 6e-5
 
 
-def test_a_servo_at_its_top_speed_does_not_forget_what_was_lost() -> None:
-    """It is far behind as 0.15 s are lost, and catches up half a second later."""
+@pytest.mark.parametrize("grain", [1e-9, 2e-3])
+def test_a_servo_at_its_top_speed_does_not_forget_what_was_lost(grain: float) -> None:
+    """It is far behind as 0.15 s are lost, and catches up half a second later, on coarse encoders as well."""
     recording = under_setpoints(T, np.sin(3.0 * T), np.abs(T - 9.2) > 0.075)
-    span = servo_span(recording, TRUNK)
+    read = recording.series["gearbox_states"]
+    coarse = replace(read, position=np.round(read.position / grain) * grain, velocity=None)
+    span = servo_span(replace(recording, series={**recording.series, "gearbox_states": coarse}), TRUNK)
     assert 0.75 < span.valid.mean() < 0.9
-    assert worst(ServoStage([span], TRUNK)) < 1e-5
+    assert worst(ServoStage([span], TRUNK)) < 1e-5 + grain / 2
+
+
+MANY_GAPS = np.abs(T % 4.0 - 3.0) > 0.075
+
+
+def test_a_servo_that_never_catches_up_hides_nothing_of_the_others() -> None:
+    slow = 0.3 * np.sin(0.7 * T)
+    went = np.column_stack([slow, slow, 2.0 * np.sin(3.0 * T), slow, slow])
+    recording = under_setpoints(T, went, MANY_GAPS)
+    share = servo_span(recording, TRUNK).valid.mean(axis=0)
+    assert share[2] < 0.3
+    assert share[[0, 1, 3, 4]].min() > 0.85
+    setpoints = recording.series["setpoints"]
+    unknown = replace(setpoints, position=np.where(np.arange(5) == 2, np.nan, setpoints.position))
+    recording = replace(recording, series={**recording.series, "setpoints": unknown})
+    np.testing.assert_array_equal(
+        servo_span(recording, TRUNK).valid.mean(axis=0), share * (np.arange(5) != 2)
+    )
+
+
+def test_a_steady_way_in_stairs_is_no_top_speed() -> None:
+    """Its servo follows, whatever each step looks like."""
+    steady = 0.4 * np.abs(T / 4.0 % 2.0 - 1.0)
+    span = servo_span(under_setpoints(T, steady[np.arange(len(T)) // 10 * 10], MANY_GAPS), TRUNK)
+    assert span.valid.mean() > 0.85
 
 
 def test_setpoints_that_come_as_they_like_are_held_until_the_next() -> None:

@@ -168,9 +168,9 @@ def servo_span(recording: Recording, model: ArmModel) -> Span:
     arm = model.for_joints(joints).arm.only(joints)
     small = np.maximum(noises(gearbox) / 2, UNSEEN)
     phi, velocity = resample(gearbox, grid)
-    unsettled, anew = _after_gaps(setpoints, grid, velocity, in_gaps(gearbox, grid), small)
-    unsettled |= grid < grid[0] + SETTLING
-    valid = np.isfinite(gearbox.position[kept]) & told & ~unsettled[rows][:, None]
+    unsettled, anew = _after_gaps(setpoints, grid, phi, in_gaps(gearbox, grid), small)
+    unsettled |= (grid < grid[0] + SETTLING)[:, None]
+    valid = np.isfinite(gearbox.position[kept]) & told & ~unsettled[rows]
     target = np.asfortranarray(np.where(valid, gearbox.position[kept], 0.0))
     unknown = (np.empty(0, dtype=int),) * len(joints)
     known = felt(recording, arm, grid)
@@ -193,37 +193,45 @@ def common_joints(recording: Recording, model: ArmModel, *series: JointSeries) -
 
 
 def _after_gaps(
-    setpoints: JointSeries, grid: Array, velocity: Array, lost: np.ndarray, small: Array
+    setpoints: JointSeries, grid: Array, phi: Array, lost: np.ndarray, small: Array
 ) -> tuple[np.ndarray, Array]:
-    """(m,): where setpoints may have been lost, and until the servo has forgotten them; and (k,) s when it
-    begins anew after a long gap: once those before it act no more, where some gearbox angle is not ``lost``
-    (m, joints). What may have been missed in a gap and takes no servo further than ``small`` (joints,) rad
-    does not count. ``velocity`` (m, joints) rad/s of the shafts.
+    """(m, joints): where setpoints may have been lost, and until each servo has forgotten them; and (k,) s
+    when all begin anew after a long gap: once those before it act no more, where some gearbox angle is not
+    ``lost`` (m, joints). What may have been missed in a gap and takes no servo further than ``small``
+    (joints,) rad does not count. ``phi`` (m, joints) rad of the shafts.
     """
     stamp, position = setpoints.stamp, hold(setpoints.position)
-    out, anew, seen = np.zeros(len(grid), dtype=bool), [], grid[~np.all(lost, axis=1)]
-    longest, forgets = longest_wait(stamp), _forgets(stamp, position, grid, velocity)
+    out, anew, seen = np.zeros(phi.shape, dtype=bool), [], grid[~np.all(lost, axis=1)]
+    longest = longest_wait(stamp)
+    forgets = [_forgets(stamp, *each, grid) for each in zip(position.T, phi.T, strict=True)]
     for k in np.setdiff1d(np.flatnonzero(np.diff(stamp) > longest), _harmless(setpoints, small)):
         begun = stamp[k + 1]
         if stamp[k + 1] - stamp[k] > SETTLING:
             after = seen[np.searchsorted(seen, stamp[k + 1] + REMEMBERED - SAME) :]
             anew.extend(after[:1])
             begun = after[0] if len(after) else np.inf
-        settled = SETTLING + (np.interp(begun, grid, forgets) if np.isfinite(begun) else np.inf)
-        out[np.searchsorted(grid, stamp[k] + longest / 2) : np.searchsorted(forgets, settled)] = True
+        first = np.searchsorted(grid, stamp[k] + longest / 2)
+        for j, time in enumerate(forgets):
+            settled = SETTLING + (np.interp(begun, grid, time) if np.isfinite(begun) else np.inf)
+            out[first : np.searchsorted(time, settled), j] = True
     return out, np.unique(anew)
 
 
-def _forgets(stamp: Array, position: Array, grid: Array, velocity: Array) -> Array:
-    """(m,) s in which servos forget: a shaft that goes at its top speed and not as its setpoints do, at
-    ``position`` (n, joints) rad, only follows them once it has caught up.
+def _forgets(stamp: Array, position: Array, phi: Array, grid: Array) -> Array:
+    """(m,) s in which a servo forgets: while its shaft, at ``phi`` (m,) rad, goes at its top speed and not as
+    its setpoints do, at ``position`` (n,) rad, it only follows them once it has caught up.
     """
-    asked = np.column_stack([np.interp(grid, stamp, own) for own in position.T])
-    asked = np.gradient(asked, grid, axis=0) if len(grid) > 1 else np.zeros_like(asked)
-    top = np.quantile(np.abs(velocity), 1.0 - HARDLY, axis=0)
-    behind = (np.abs(velocity) > NEARLY * top) & (np.abs(asked - velocity) > PART * top)
-    steps = np.diff(grid, prepend=grid[:1])
-    return np.cumsum(np.where(behind.any(axis=1), 0.0, steps))
+    new = np.diff(position, prepend=np.nan) != 0.0  # those that are sent again go on as they did
+    asked, went = _pace(stamp[new], position[new], grid), _pace(grid, phi, grid)
+    top = np.quantile(np.abs(went), 1.0 - HARDLY)
+    behind = (np.abs(went) > NEARLY * top) & (np.abs(asked - went) > PART * top)
+    return np.cumsum(np.where(behind, 0.0, np.diff(grid, prepend=grid[:1])))
+
+
+def _pace(stamp: Array, position: Array, grid: Array) -> Array:
+    """(m,) rad/s, on the whole for as long as a servo takes to respond: of encoders' steps little is left."""
+    ends = (np.interp(grid + sign * RESPONDS / 2, stamp, position) for sign in (1.0, -1.0))
+    return np.asarray(np.subtract(*ends) / RESPONDS)
 
 
 def hidden_by_gaps(recording: Recording) -> str:
