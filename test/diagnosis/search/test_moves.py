@@ -17,7 +17,7 @@ from trunk_ros.diagnosis.search.descent import COARSE, Desk, Move, descend
 from trunk_ros.diagnosis.search.fit import Fit, costed
 from trunk_ros.diagnosis.search.greedy import begun
 from trunk_ros.diagnosis.search.looked_again import renewed
-from trunk_ros.diagnosis.search.moves import MOVES
+from trunk_ros.diagnosis.search.moves import MOVES, swap_all
 from trunk_ros.diagnosis.search.moves.onset import dated
 from trunk_ros.diagnosis.search.moves.option import put_down
 from trunk_ros.diagnosis.search.moves.spell import sized
@@ -479,6 +479,16 @@ def test_what_all_joints_share_is_found_beside_one_that_has_more() -> None:
     assert best is not None
     assert best.hypothesis["sensor_delay"].shared["delay"] == pytest.approx(0.006, rel=0.05)
     assert best.hypothesis["viscous_lag"].columns == [2]
+
+
+def test_what_has_come_back_on_most_joints_comes_back_on_no_more_of_them() -> None:
+    """Else nothing is left of what all share that shows by itself."""
+    was = fitted("late and loose", Term("backlash", own={c: {"half_width": 2e-3} for c in range(5)}))
+    wide = Term("tension_error", shared={"factor": 3.0}, own={c: {} for c in range(5)})
+    once = swap_all._with_some_back(was, costed(was.context, Hypothesis(tension_error=wide)), "backlash")
+    assert len(once.hypothesis["backlash"].columns) == 3
+    again = swap_all._with_some_back(was, once, "backlash")
+    assert again.hypothesis["backlash"].columns == once.hypothesis["backlash"].columns
 
 
 def test_what_is_put_down_leaves_no_moments() -> None:

@@ -193,8 +193,9 @@ def _with_some_back(was: Fit, trial: Fit, name: str) -> Fit:
     if replaced(kind, trial.hypothesis):
         return trial
     left = [c for c in was.hypothesis[name].columns if not taken(kind, trial.hypothesis, c)]
-    left = [c for c in left if c in context.columns]
-    alone = len(context.columns) - len(left)
+    back = trial.hypothesis[name].columns if name in trial.hypothesis else []
+    left = [c for c in left if c in context.columns and c not in back]
+    alone = len(context.columns) - len(left) - len(back)
     while left and len(left) + alone > SEVERAL:
         needy = max(left, key=lambda c: trial.cost[c] - was.cost[c])
         if trial.cost[needy] - was.cost[needy] < need(context, needy, was.rest(needy)):
