@@ -13,6 +13,7 @@ from trunk_ros.effects.wire.play import SharpPlay
 from trunk_ros.model import Model
 from trunk_ros.recording.recording import JointSeries, Recording
 from trunk_ros.recording.signal.resample import resample
+from trunk_ros.recording.signal.through_readings import slopes
 from trunk_ros.recording.staggered import at_stamps
 
 FINE = np.arange(0.0, 40.0, 1e-3)
@@ -76,6 +77,16 @@ def test_a_smooth_way_and_its_turns_are_those_of_the_spline(rate: float) -> None
     inside = read.stamp[-1] - 0.2 > FINE
     spline = CubicSpline(read.stamp, read.position[:, 0])(FINE[inside])
     assert np.abs(resample(read, FINE[inside])[0][:, 0] - spline).max() < 5e-5
+
+
+@pytest.mark.parametrize("turn", [0.03, 39.85])
+def test_nor_does_it_swing_or_flatten_a_turn_in_its_first_and_last_step(turn: float) -> None:
+    read = _series(20.0, 0.5 - 0.5 * np.cos(1.9 * (FINE - turn)))
+    inside = read.stamp[-1] > FINE
+    off = resample(read, FINE[inside])[0][:, 0] - (0.5 - 0.5 * np.cos(1.9 * (FINE[inside] - turn)))
+    assert np.abs(off).max() < 1e-5
+    stands = np.array([0.0, 0.0, 0.1, 0.2, 0.3, 0.4, 0.4])
+    np.testing.assert_array_equal(slopes(np.arange(7.0), stands, None)[[0, 1, 5, 6]], 0.0)
 
 
 @pytest.mark.parametrize("rate", [10.0, 100.0])

@@ -20,13 +20,18 @@ def slopes(t: Floats, position: Floats, velocity: Floats | None) -> Floats:
     secants = np.diff(position) / gaps
     bends = np.zeros_like(position)
     bends[1:-1] = np.diff(secants) / (t[2:] - t[:-2])
+    if len(t) > 3:  # at both ends it bends as it goes on
+        bends[0], bends[-1] = bends[2], bends[-3]
     bend = _lesser(bends[:-1], bends[1:]) * gaps
-    curved = _lesser((secants + bend)[:-1], (secants - bend)[1:])
-    straight = _lesser(secants[:-1], secants[1:])
+    curved, straight = _at(secants + bend, secants - bend), _at(secants, secants)
     up = np.sign(np.where(curved != 0.0, curved, straight))
     most = np.maximum(3.0 * np.abs(straight), 1.5 * np.abs(curved))
-    slope[1:-1] = up * np.clip(up * slope[1:-1], 0.0, most)
-    return slope
+    return up * np.clip(up * slope, 0.0, most)
+
+
+def _at(arrives: Floats, leaves: Floats) -> Floats:
+    """(n,) at each reading, of what (n - 1,) curves between them arrive with and leave with: the lesser."""
+    return _lesser(np.concatenate([leaves[:1], arrives]), np.concatenate([leaves, arrives[-1:]]))
 
 
 def _lesser(a: Floats, b: Floats) -> Floats:
