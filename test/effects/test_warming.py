@@ -10,7 +10,7 @@ import pytest
 from test.diagnosis.arms import SHORT, diagnose, of_the_wires, on, recorded
 from test.effects.example import arm_of
 from trunk_ros.chain import Chain
-from trunk_ros.effects import effect
+from trunk_ros.effects import effect, imitated
 from trunk_ros.effects.effect import Motion
 from trunk_ros.effects.wire.play import SharpPlay
 from trunk_ros.model import Model
@@ -82,3 +82,7 @@ def test_friction_that_falls_as_it_warms_is_named_and_predicts_another_motion(fo
     )
     assert off.max() < 1e-4
     assert before[600:, 1].max() > 4e-4
+
+
+def test_what_skewed_clocks_look_like_is_a_dead_band_that_grows_or_one_that_shrinks() -> None:
+    assert {"friction_wear", "friction_warming"} <= set(imitated("skew"))

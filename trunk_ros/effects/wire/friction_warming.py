@@ -32,6 +32,7 @@ class FrictionWarming(Travelled):
         ),
         SPEED,
     )  # fmt: skip
+    imitated_by = ("skew",)
     confused_with = (
         ("narrow_band", "compare the start and the end of a long recording"),
         ("stribeck_friction", "move as fast at the start as at the end"),
