@@ -4,6 +4,8 @@ that is.
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -25,6 +27,7 @@ from trunk_ros.diagnosis.search.moves.swap_all import SWAP_ALL, with_more, with_
 from trunk_ros.diagnosis.search.score import beats, prices, score
 from trunk_ros.diagnosis.stages.servo import ServoStage
 from trunk_ros.effects import effect
+from trunk_ros.model import Model
 
 MOVE = {move.name: move for move in MOVES}
 BACKLASH = Term("backlash", own={2: {"half_width": 1e-3}})
@@ -75,12 +78,14 @@ def test_add_finds_what_acts_on_all_joints_also_where_two_of_five_have_more_of_s
     assert best.hypothesis["friction_wear"].columns == [1, 2]
 
 
-def test_add_finds_what_pulls_each_joint_by_a_friction_of_its_own() -> None:
-    """Between the least and the largest of them lies an order of magnitude."""
-    friction = np.array([0.008, 0.008, 0.03, 0.1, 0.1])
-    droop = {"gain": 0.05, "friction": friction, "form": "weight_and_friction"}
-    span = servo_span(recorded({"load_droop": droop}, 12.0), TRUNK)
-    now = begun(first_look(ServoStage([span], TRUNK)))
+@pytest.mark.parametrize("heavier", [1.0, 30.0])
+def test_add_finds_what_pulls_each_joint_by_a_friction_of_its_own(heavier: float) -> None:
+    """Between the least and the largest of them lies an order of magnitude, on a strong arm as well."""
+    friction = heavier * np.array([0.008, 0.008, 0.03, 0.1, 0.1])
+    droop = {"gain": 0.05 / heavier, "friction": friction, "form": "weight_and_friction"}
+    arm = replace(TRUNK.arm, link_mass=heavier * TRUNK.arm.link_mass)
+    span = servo_span(recorded({"load_droop": droop}, 12.0, nominal=Model(arm)), Model(arm))
+    now = begun(first_look(ServoStage([span], Model(arm))))
     best = best_of(MOVE["add"], now)
     assert best is not None
     assert list(best.hypothesis) == ["load_droop"]

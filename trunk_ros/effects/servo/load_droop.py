@@ -4,8 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
+from trunk_ros.compiled import Array
 from trunk_ros.effects.core import Core
 from trunk_ros.effects.effect import Effect, Now
+from trunk_ros.effects.now import borne
+from trunk_ros.levels import ROWS
 from trunk_ros.parameter import Parameter
 
 
@@ -25,7 +28,7 @@ class LoadDroop(Effect):
         Parameter("gain", "rad/(N*m)", (-1e3, 1e3), "standing error per moment", typical=1e-3, shared=True),
         Parameter(
             "friction", "N*m", (0.0, 1e3), "dry friction that the motor pulls as well", typical=0.1,
-            scan=(0.01, 0.03, 0.1),
+            scan=(0.03, 0.1, 0.3),
         ),
         Parameter(
             "as_torque", "1", (0.0, 1.0), "share of it that acts past the speed limit, as a torque does",
@@ -34,6 +37,19 @@ class LoadDroop(Effect):
     )  # fmt: skip
     needs = ("load",)
     everywhere = begins = True
+
+    def grid(
+        self, parameter: Parameter, now: Now, column: int, rest: Array | None = None
+    ) -> tuple[float, ...]:
+        """Friction is of a size with what the arm is built for, on joints that bear little of it as well."""
+        found = super().grid(parameter, now, column, rest)
+        if parameter.shared:
+            return found
+        arm = now.arm if now.arm is not None and now.arm.has_load else None
+        some = slice(None, None, max(len(now.load) // ROWS, 1))
+        loads = now.load if arm is None else arm.load(now.angles[some])
+        size = parameter.under(max(map(borne, loads.T)))
+        return tuple(size * start for start in found)
 
     def adjust(self, core: Core, now: Now) -> None:
         core.load = core.load + self["gain"] * now.load
