@@ -102,7 +102,7 @@ def test_a_late_sensor_is_never_compensated() -> None:
 
 
 def test_what_a_clock_does_looks_like_effects_and_like_what_has_no_name_last() -> None:
-    assert imitated("skew") == ("thermal_drift", "friction_wear", "sensor_delay")
+    assert imitated("skew") == ("thermal_drift", "friction_warming", "friction_wear", "sensor_delay")
     assert imitated("repeats")[-1] == "unknown"
 
 
