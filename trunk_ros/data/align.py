@@ -203,8 +203,10 @@ def _after_gaps(
     stamp, position = setpoints.stamp, hold(setpoints.position)
     out, anew, seen = np.zeros(phi.shape, dtype=bool), [], grid[~np.all(lost, axis=1)]
     longest = longest_wait(stamp)
-    forgets = [_forgets(stamp, *each, grid) for each in zip(position.T, phi.T, strict=True)]
-    for k in np.setdiff1d(np.flatnonzero(np.diff(stamp) > longest), _harmless(setpoints, small)):
+    gaps = np.setdiff1d(np.flatnonzero(np.diff(stamp) > longest), _harmless(setpoints, small))
+    each = zip(position.T, phi.T, strict=True) if len(gaps) else ()
+    forgets = [_forgets(stamp, *one, grid) for one in each]
+    for k in gaps:
         begun = stamp[k + 1]
         if stamp[k + 1] - stamp[k] > SETTLING:
             after = seen[np.searchsorted(seen, stamp[k + 1] + REMEMBERED - SAME) :]

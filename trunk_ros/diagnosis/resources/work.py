@@ -44,7 +44,8 @@ class Work:
         """Count what was done on top; where that was not enough, the work that was granted is spent."""
         over = more.over
         self.was_beside(more)
-        self.most = self.done if over else self.most
+        if over:
+            self.most = self.done
 
     def was_beside(self, more: Work) -> None:
         """Count what was done beside: it is no part of what was granted."""

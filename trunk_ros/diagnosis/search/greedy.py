@@ -21,7 +21,6 @@ from trunk_ros.diagnosis.search.moves.add import additions
 from trunk_ros.diagnosis.search.score import beats, score
 from trunk_ros.effects import effect
 from trunk_ros.levels import LITTLE, REFITTED
-from trunk_ros.recording.signal.resample import SLOW
 
 
 def search(context: Context, desk: Desk) -> Fit:
@@ -50,7 +49,7 @@ def told_by_speed(context: Context, desk: Desk) -> Fit | None:
     none do without it that are better. None else; of the columns of what is returned none is hidden by its
     loop.
     """
-    if context.speed_tells or context.step >= SLOW:
+    if not set(context.columns) <= context.wide:
         return None
     granted = context.work.besides()
     found = _named(replace(context, wide=frozenset(), work=granted), desk)

@@ -47,8 +47,7 @@ class FrictionWarming(Travelled):
 
     def credible(self, now: Now, beside: bool = False) -> bool:
         """It settles neither at once nor long after the recording: or the band is narrower from the start."""
-        share = self["time_constant"] / (now.stamp[-1] - now.stamp[0])
-        return bool(np.all((share > 0.08) & (share < 3.0)))
+        return self.settles(now)
 
     @classmethod
     def forms_shown(cls, motion: Motion) -> tuple[str, ...]:

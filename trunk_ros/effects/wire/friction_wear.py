@@ -52,8 +52,7 @@ class FrictionWear(Travelled):
 
     def credible(self, now: Now, beside: bool = False) -> bool:
         """It settles neither at once nor after the recording: or it is another effect, or straight."""
-        share = self["time_constant"] / (now.stamp[-1] - now.stamp[0])
-        return bool(self.form != "running_in" or np.all((share > 0.08) & (share < 3.0)))
+        return self.form != "running_in" or self.settles(now)
 
     @classmethod
     def forms_shown(cls, motion: Motion) -> tuple[str, ...]:

@@ -28,6 +28,11 @@ class Travelled(Effect):
         mean = np.sum(np.abs(now.speed[:, column]) * now.dt) / max(np.sum(now.dt), 1e-9)
         return (float(np.clip(mean, *SPEED.bounds)),)
 
+    def settles(self, now: Now) -> bool:
+        """Whether what takes a time to come neither comes at once nor long after the recording."""
+        share = self["time_constant"] / (now.stamp[-1] - now.stamp[0])
+        return bool(np.all((share > 0.08) & (share < 3.0)))
+
     def heat(self, now: Now, state: Any) -> tuple[Array, Any]:
         """(n, columns): 1 in the end where a joint goes on at its ``speed``."""
         memory = np.zeros((2, len(self["speed"]))) if state is None else state.copy()

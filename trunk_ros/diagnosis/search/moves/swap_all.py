@@ -170,7 +170,7 @@ def _promises(trial: Fit, screen: Screen, lost: dict[int, float], name: str, aga
     gained = {c: screen.left(c) - trial.cost[c] for c in lost}
     if not again:
         return sum(gained.values()) > PROMISED * sum(lost.values())
-    back = trial.hypothesis[name].columns if name in trial.hypothesis else []
+    back = _on(trial, name)
     alone = [c for c in lost if c not in back]
     return sum(gained[c] > max(PROMISED * lost[c], SIGNIFICANT) for c in alone) >= SEVERAL
 
@@ -185,6 +185,11 @@ def _polished(best: Fit, desk: Desk, trial: Fit, name: str, goal: float, again: 
     return with_what_it_stood_for(trial, descend_with(trial, (DROP,), desk)) if trial.total < goal else trial
 
 
+def _on(fit: Fit, name: str) -> list[int]:
+    """The joints that have an effect."""
+    return fit.hypothesis[name].columns if name in fit.hypothesis else []
+
+
 def _with_some_back(was: Fit, trial: Fit, name: str) -> Fit:
     """The effect that was replaced again on joints that have more of it than all, the neediest first: on
     most, since what acts on all shows on several joints alone.
@@ -193,7 +198,7 @@ def _with_some_back(was: Fit, trial: Fit, name: str) -> Fit:
     if replaced(kind, trial.hypothesis):
         return trial
     left = [c for c in was.hypothesis[name].columns if not taken(kind, trial.hypothesis, c)]
-    back = trial.hypothesis[name].columns if name in trial.hypothesis else []
+    back = _on(trial, name)
     left = [c for c in left if c in context.columns and c not in back]
     alone = len(context.columns) - len(left) - len(back)
     while left and len(left) + alone > SEVERAL:
