@@ -4,6 +4,7 @@ PYTHON := $(VENV)/bin/python
 STAMP := $(VENV)/complete
 COMPILED := $(VENV)/compiled
 FULL ?=
+LONG ?=
 SIMULATOR ?=
 RELEASE ?=
 
@@ -35,7 +36,7 @@ demo: setup  ## drives an arm with hidden physics, records it, diagnoses it (SIM
 # Tests of the graph wait for processes most of the time: the rest goes on meanwhile, and yields to them; only
 # so much that other work on the machine does not stop it.
 YIELDING := nice -n 3
-test: setup  ## lint, types, tests
+test: setup  ## lint, types, tests (LONG=1: also those that take long)
 	@+$(MAKE) --no-print-directory --jobs 3 lint graph rest
 
 pytest: setup
@@ -45,7 +46,7 @@ lint: setup  ## ruff and mypy
 	$(YIELDING) $(PYTHON) -m ruff check .
 	$(YIELDING) $(PYTHON) -m mypy
 
-PYTEST := -m pytest -q --timeout 300 --dist loadfile --no-loadscope-reorder
+PYTEST := -m pytest -q --timeout 300 --dist loadfile --no-loadscope-reorder $(if $(LONG),,-m 'not long')
 GRAPH := test/nodes test/concealed/test_demo.py test/packaging/test_colcon.py
 graph rest $(COMPILED): export OMP_NUM_THREADS := 1
 graph rest $(COMPILED): export OPENBLAS_NUM_THREADS := 1

@@ -244,6 +244,7 @@ def test_mixed_up_joints_are_not_diagnosed_and_the_verdict_says_why(good: Record
     assert told.stages["wire"]["silent"] == []
 
 
+@pytest.mark.long
 def test_what_a_mixed_up_joint_does_to_others_is_not_named() -> None:
     """The gain of the other joint had come out with the wrong sign, and was in model.yaml."""
     turned = np.array([1.0, -1.0, 1.0])

@@ -166,6 +166,7 @@ def test_the_pace_of_clocks_that_differ_is_estimated_with_the_physics(
     assert paced(alone, NONE) is alone
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("delay", [0.0, 1e-3])
 def test_a_skew_that_only_shows_beside_the_physics_is_told_from_a_late_sensor(
     clean: Run, model: Model, delay: float

@@ -142,6 +142,7 @@ def test_an_early_first_stamp_is_left_out_and_said(whole, tmp_path, off):
     assert (cost.said, cost.megabytes < 300) == ("read", True)
 
 
+@pytest.mark.long
 def test_a_recording_whose_clock_was_set_is_two(whole, tmp_path):
     bag = written(shifted(whole, -1_740_000_000.0, 0, 1000), tmp_path / "bag")
     first, second = read_parts(bag)

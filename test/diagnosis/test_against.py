@@ -103,6 +103,7 @@ def test_a_recording_against_itself_lacks_nothing() -> None:
     assert (result.verdict, result.findings) == ("no_mismatch", [])
 
 
+@pytest.mark.long
 def test_too_much_of_an_effect_has_a_negative_size_and_says_so(tmp_path: Path) -> None:
     result = found(SIMULATORS["too much"])
     (backlash,) = (f for f in result.findings if f.effect == "backlash")

@@ -70,6 +70,7 @@ def test_what_stands_still_with_its_joint_is_no_noise() -> None:
         assert (noise.std, noise.remembers) == (pytest.approx(WHITE, rel=0.2), 0.0)
 
 
+@pytest.mark.long
 def test_a_law_that_is_off_in_motion_alone_is_said_to_be_unexplained() -> None:
     result = diagnose(_recorded(stops=True), SHORT)
     assert result.verdict in ("unexplained", "partly_explained")

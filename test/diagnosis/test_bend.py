@@ -52,6 +52,7 @@ def test_a_curve_of_another_joint_has_its_name_and_nothing_else_stands_in_for_it
     assert named.confidence > 0.9
 
 
+@pytest.mark.long
 def test_a_curve_ahead_of_the_friction_is_told_from_one_behind_it() -> None:
     """Where the joint's own dead band is wide, what the guides of others do to its wire goes through it."""
     knots = np.array([0.05, 0.02, 0.0, -0.01, -0.01, 0.0, 0.02, 0.05])

@@ -19,6 +19,7 @@ def diagnosed(cogging: dict[str, Any]) -> Diagnosis:
     return diagnose([of_the_servos(recorded({"cogging": cogging}, 20.0, nominal=SHORT))], model=SHORT)
 
 
+@pytest.mark.long
 def test_motors_that_cog_each_in_its_own_way_leave_the_others_as_they_are() -> None:
     size = np.array([0.0, 2e-3, 1e-3])
     said = diagnosed({"amplitude": size, "form": "apart", **TEETH})
@@ -29,6 +30,7 @@ def test_motors_that_cog_each_in_its_own_way_leave_the_others_as_they_are() -> N
     assert values["cycles_per_rev"][1:] == pytest.approx(TEETH["cycles_per_rev"][1:], rel=1e-3)
 
 
+@pytest.mark.long
 def test_motors_that_cog_alike_share_their_size() -> None:
     said = diagnosed({"amplitude": 2e-3, "cycles_per_rev": 24.0, "phase": np.array([0.0, 0.5, 2.0])})
     (finding,) = said.findings

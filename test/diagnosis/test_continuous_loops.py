@@ -38,6 +38,7 @@ def test_they_are_as_described() -> None:
     assert not diagnose([recorded(np.ones(3))], SHORT).findings
 
 
+@pytest.mark.long
 def test_one_that_is_slower_is_told_alone() -> None:
     (found,) = diagnose([recorded(np.array([1.0, 0.7, 1.0]))], SHORT).findings
     assert (found.effect, found.joints) == ("servo_bandwidth", ["joint_2"])

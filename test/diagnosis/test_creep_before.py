@@ -10,6 +10,7 @@ from test.diagnosis.arms import SHORT, of_the_wires
 from trunk_ros.simulate import simulate
 
 
+@pytest.mark.long
 def test_a_wire_that_creeps_before_the_friction_in_two_times_is_found_and_predicts_another_run() -> None:
     """Two times behind the friction would leave 4 % of it on another run."""
     sizes = {"gain": 0.04, "share_2": 0.5, "rubbing": 0.3}

@@ -28,6 +28,7 @@ def cut() -> Recording:
     return kept(whole, {name: series.stamp > CUT for name, series in whole.series.items()})
 
 
+@pytest.mark.long
 def test_a_creep_that_began_before_the_recording_is_all_that_is_found(cut: Recording) -> None:
     (found,) = diagnose(cut).findings
     assert (found.effect, list(found.joints)) == ("viscoelastic_creep", ["joint_2"])

@@ -18,7 +18,7 @@ from trunk_ros.simulate import simulate
     ("servo", "stated", "effect", "parameter", "value"),
     [
         ({"tau_v": (0.03,) * 3}, {}, "velocity_loop", "relative", 0.5),
-        ({"tau_v": (0.012,) * 3}, {}, "velocity_loop", "relative", -0.4),
+        pytest.param({"tau_v": (0.012,) * 3}, {}, "velocity_loop", "relative", -0.4, marks=pytest.mark.long),
         ({"delay": (0.01,) * 3}, {"delay": 0.024}, "servo_delay", "delay", -0.014),
         ({"v_max": (0.9,) * 3}, {"v_max": 0.5}, "velocity_saturation", "v_max", 0.9),
     ],

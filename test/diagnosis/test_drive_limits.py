@@ -25,8 +25,8 @@ def limited(effects: dict[str, Any], seed: int, **servo: float) -> Recording:
     [
         ("setpoint_ceiling", {"upper": np.array([1e4, 0.2, 1e4])}, "elbow"),
         ("setpoint_floor", {"lower": np.array([-0.15, -1e4, -1e4])}, "shoulder"),
-        ("acceleration_limit", {"acceleration": 6.0}, "arm"),
-        ("setpoint_profile", {"acceleration": 4.0}, "arm"),
+        pytest.param("acceleration_limit", {"acceleration": 6.0}, "arm", marks=pytest.mark.long),
+        pytest.param("setpoint_profile", {"acceleration": 4.0}, "arm", marks=pytest.mark.long),
         ("motor_friction", {"friction": 0.003}, "arm"),
     ],
 )

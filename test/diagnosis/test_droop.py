@@ -9,6 +9,7 @@ from test.diagnosis.arms import TRUNK, diagnose, of_the_servos, recorded
 from trunk_ros.recording.recording import JointSeries, Recording
 
 
+@pytest.mark.long
 def test_friction_is_found_where_the_weight_alone_explains_next_to_nothing() -> None:
     hidden = {"gain": 0.02, "friction": np.full(5, 0.5), "form": "weight_and_friction"}
     (found,) = diagnose([of_the_servos(recorded({"load_droop": hidden}))], TRUNK).findings
@@ -18,6 +19,7 @@ def test_friction_is_found_where_the_weight_alone_explains_next_to_nothing() -> 
         assert found.parameters[joint]["friction"]["value"] == pytest.approx(0.5, rel=0.1)
 
 
+@pytest.mark.long
 def test_a_torque_that_the_drive_feeds_forward_is_no_part_of_what_its_recorded_torque_bends() -> None:
     """An impedance servo, tau = kp (q* - q) - kd q' + tau_ff(q), with tau_ff against a link's weight: no
     error shows for that. Taken for droop, all of the torque had told a gain several times too small.

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 
 from test.diagnosis.arms import diagnose
 from trunk_ros.data.align import wire_span
@@ -41,6 +42,7 @@ def off(recording: Recording, settle: float) -> float:
     return float(np.sqrt(np.mean(error[shown.stamp > 6.3] ** 2)))
 
 
+@pytest.mark.long
 def test_of_one_swing_the_way_up_before_its_first_turn_is_fitted() -> None:
     assert off(swing(), settle=5.0) < 2.0 * NOISE
     assert off(swing(), settle=0.0) > 10.0 * NOISE

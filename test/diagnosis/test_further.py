@@ -19,8 +19,8 @@ from trunk_ros.effects import effect
     [
         ("integral_action", "ki", 15.0),
         ("motor_friction", "friction", 0.004),
-        ("acceleration_limit", "acceleration", 8.0),
-        ("setpoint_profile", "acceleration", 6.0),
+        pytest.param("acceleration_limit", "acceleration", 8.0, marks=pytest.mark.long),
+        pytest.param("setpoint_profile", "acceleration", 6.0, marks=pytest.mark.long),
     ],
 )
 def test_a_loop_is_found_beside_what_its_drive_does_besides(effect: str, parameter: str, size: float) -> None:
@@ -44,6 +44,7 @@ def test_a_drive_that_feeds_its_loop_the_speed_of_its_profile_is_told_as_one() -
     assert _left(found.model, other).max() < 1.1 * NOISE
 
 
+@pytest.mark.long
 def test_two_such_things_are_found_one_after_the_other() -> None:
     """The integral part had been 17 and friction 0.0038, at 0.6 mrad."""
     both = {"integral_action": {"ki": 15.0}, "motor_friction": {"friction": 0.004}}

@@ -67,6 +67,7 @@ def test_what_follows_a_gap_of_an_excerpt_does_not_count_until_it_has_been_forgo
         assert part.valid[(part.stamp > begin + LENGTH - 5.0) & (part.stamp < begin + LENGTH)].all()
 
 
+@pytest.mark.long
 def test_a_jump_between_the_blocks_is_found_at_its_moment() -> None:
     part = excerpt(wire_span(recorded(seconds=SECONDS, nominal=PAIR), PAIR))
     gap = int(np.argmax(np.diff(part.stamp)))

@@ -14,7 +14,7 @@ COUPLED = ("q5", "q6")
 LINEAR = {"exp1": (0.121, 0.122), "exp2": (0.099, 0.103), "exp4": (0.141, 0.074)}
 """rms [rad] of q5 and q6 under a linear map of all six commands, fitted on the first 70 % of train_random."""
 
-pytestmark = marks(WRIST)
+pytestmark = [*marks(WRIST), pytest.mark.long]
 
 
 @pytest.fixture(scope="module")

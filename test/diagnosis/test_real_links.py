@@ -23,6 +23,7 @@ def test_the_compliance_of_the_tip_is_that_of_a_straight_line_over_the_measured_
     assert not QUASI_STATIC & named(result)
 
 
+@pytest.mark.long
 def test_the_flexible_arm_rings_as_it_swings_while_the_hub_stands() -> None:
     result = diagnosed(LINK, "flexarm_K1_6", LINK, until="72%")  # until the hub moves again
     table = np.genfromtxt(REAL / LINK / "flexarm_K1_6.csv", delimiter=",", names=True)

@@ -12,7 +12,7 @@ SHEATH = "tendon-sheath"
 HALF = "50%"  # shows as much of what repeats itself
 LONG = ("test0224", "aurora_ff")
 
-pytestmark = marks(SHEATH)
+pytestmark = [*marks(SHEATH), pytest.mark.long]
 
 
 @pytest.mark.parametrize(

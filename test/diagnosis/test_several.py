@@ -117,6 +117,7 @@ def test_what_the_model_has_not_is_found_beside_what_it_has() -> None:
     assert set(result.model.effects) == {"backlash", "ratio_error"}
 
 
+@pytest.mark.long
 def test_a_zero_that_is_off_and_jumps_is_named_as_both() -> None:
     """Creep over minutes explains more of it than either alone."""
     hidden = {

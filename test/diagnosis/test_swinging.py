@@ -25,6 +25,7 @@ def error(model: Model, recording: Recording) -> Array:
     return np.asarray(np.sqrt((off**2).mean(axis=0)))
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("seed", [6082, 6037])
 def test_a_link_that_swings_is_told_by_the_masses_that_shake_it(seed: int, tmp_path: Path) -> None:
     case = draw_mujoco_case(seed, "link_resonance")

@@ -99,6 +99,7 @@ def test_what_shakes_the_arm_is_told_with_its_frequency_and_drawn_over_its_perio
     assert "5.3 Hz" in render(result)
 
 
+@pytest.mark.long
 def test_a_zero_that_jumps_to_and_fro_is_told_with_its_moments() -> None:
     moments = (4.0, 8.0, 13.0, 17.5)
     result = with_added(2, lambda t, _: 1e-3 * (np.searchsorted(moments, t) % 2))

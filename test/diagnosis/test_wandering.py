@@ -85,6 +85,7 @@ def test_what_wanders_with_the_motion_or_on_all_joints_alike_is_of_the_arm(
         assert of_the_arm(context, Hypothesis(), column, noise) == is_of_it
 
 
+@pytest.mark.long
 def test_what_is_of_the_arm_is_not_passed_over_as_noise() -> None:
     said = seen({}, shaking)
     assert said.verdict in ("partly_explained", "unexplained")

@@ -130,6 +130,7 @@ def test_a_form_that_takes_longer_counts_as_more_steps() -> None:
         assert now.work.done - before == (steps + 1) * grid
 
 
+@pytest.mark.long
 def test_a_search_that_runs_out_of_work_finds_out_how_what_it_put_in_last_is_what_it_is() -> None:
     """Wires that stretch under a weight that nobody declared: the weight is an option of the stretch."""
     start = context("payload")

@@ -104,6 +104,7 @@ def test_what_several_joints_have_gives_way_to_what_acts_on_all_beside_what_othe
     assert best.hypothesis["tension_error"].shared["factor"] == pytest.approx(3.0, abs=0.05)
 
 
+@pytest.mark.long
 def test_add_exchanges_what_does_not_show_any_more_beside_what_is_added() -> None:
     """Links that ring in the place of a late sensor: beside soft wires they would not."""
     rings = Term("link_resonance", "absolute", own={c: {"frequency": 5.0, "damping": 0.3} for c in range(5)})

@@ -37,6 +37,7 @@ def looked_at(effects: dict[str, Any], phi: Array) -> Context:
     return context
 
 
+@pytest.mark.long
 def test_late_readings_of_a_short_recording_are_no_wide_loop() -> None:
     """Without what goes by speed, names and curves had been fitted to them for a minute."""
     late = {
@@ -57,3 +58,14 @@ def test_a_wide_play_under_one_swing_is_a_wide_loop() -> None:
     swing = np.array([0.5, 0.4]) * np.sin(2.0 * np.pi * np.array([0.3, 0.23]) * stamp)
     context = looked_at({"backlash": {"half_width": np.array([0.12, 0.1])}}, swing)
     assert told_by_speed(context, Desk()) is None
+
+
+def test_late_readings_of_wide_plays_under_one_swing() -> None:
+    """A lag or another joint's motion, each taken before the plays, had kept their place."""
+    stamp = np.arange(1500)[:, None] / 100
+    swing = np.array([0.5, 0.4]) * np.sin(2.0 * np.pi * 0.3 * stamp + np.array([0.0, 2.0]))
+    late = {"sensor_delay": {"delay": 0.1}, "backlash": {"half_width": np.array([0.15, 0.05])}}
+    found = told_by_speed(looked_at(late, swing), Desk())
+    assert found is not None
+    assert found.hypothesis.keys() == late.keys()
+    assert found.hypothesis["sensor_delay"].shared["delay"] == pytest.approx(0.1, rel=0.01)

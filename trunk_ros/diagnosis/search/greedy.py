@@ -10,7 +10,7 @@ from dataclasses import replace
 
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.disturbances.arrivals import arrived
-from trunk_ros.diagnosis.resources.work import Work
+from trunk_ros.diagnosis.hypothesis import Hypothesis
 from trunk_ros.diagnosis.search.candidates import DYNAMIC
 from trunk_ros.diagnosis.search.descent import Desk, Move, descend, of
 from trunk_ros.diagnosis.search.fit import Fit, costed, refit
@@ -47,30 +47,38 @@ def told_by_speed(context: Context, desk: Desk) -> Fit | None:
     """What explains a recording with what goes by speed, where all loops are wide and the motion looks alike
     throughout: any lag is a form of such a loop, so it is believed where names leave only noise with it, and
     none do without it that are better. None else; of the columns of what is returned none is hidden by its
-    loop.
+    loop. A lag that comes first may take the place of the loop, so it is also looked for beside names that
+    are found without it.
     """
     if not set(context.columns) <= context.wide:
         return None
-    granted = context.work.besides()
-    found = _named(replace(context, wide=frozenset(), work=granted), desk)
-    context.work.was_beside(granted)
-    if not _leaves_noise(found) or not any(effect(name).regime in DYNAMIC for name in found.hypothesis):
-        return None
-    without = Work(granted.done)
-    other = _named(replace(context, work=without), desk)
-    context.work.was_beside(without)
-    better = _leaves_noise(other) and better_of(found, other) is other
-    return None if better else found.working(context.work)
+    by_speed = replace(context, wide=frozenset())
+    found = _named(by_speed, context.known, desk)
+    without = _named(context, context.known, desk)
+    if not _lags(found):
+        found = _named(by_speed, without.hypothesis, desk)
+    better = _leaves_noise(without) and better_of(found, without) is without
+    return found.working(context.work) if _lags(found) and not better else None
 
 
-def _named(context: Context, desk: Desk) -> Fit:
-    """What names explain, as far as the work that is granted goes."""
+def _named(context: Context, start: Hypothesis, desk: Desk) -> Fit:
+    """What names explain from a start on, by a share of the work that is no part of what was granted."""
     names = [move for move in MOVES if move not in (CURVE, EARLY_CURVE)]
-    return descend(renewed(begun(context)), names, Desk(desk.say), steady=True)
+    granted = context.work.besides()
+    begins = begun(replace(context, work=granted))
+    first = begins if start is context.known else refit(begins.context, start)
+    found = descend(renewed(first), names, Desk(desk.say), steady=True)
+    context.work.was_beside(granted)
+    return found
+
+
+def _lags(found: Fit) -> bool:
+    """Whether effects of speed leave only noise."""
+    return _leaves_noise(found) and any(effect(name).regime in DYNAMIC for name in found.hypothesis)
 
 
 def _leaves_noise(found: Fit) -> bool:
-    return not found.context.work.over and all(found.beyond_noise(c) <= 0.0 for c in found.cost)
+    return all(found.beyond_noise(c) <= 0.0 for c in found.cost)
 
 
 def _settling(best: Fit) -> list[Move]:
