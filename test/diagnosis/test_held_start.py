@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -17,6 +18,7 @@ from trunk_ros.diagnosis.disturbances.stood import Read, _lies, _middle
 from trunk_ros.diagnosis.first_look import first_look
 from trunk_ros.diagnosis.hypothesis import hypothesis_of
 from trunk_ros.diagnosis.stages.wire import WireStage
+from trunk_ros.effects.wire.presliding_hysteresis import PreslidingHysteresis
 from trunk_ros.model import Model
 from trunk_ros.recording.recording import JointSeries, Recording
 
@@ -25,11 +27,10 @@ RESTING = 3
 SOFT = {"load_elasticity": {"compliance": np.full(5, 0.01)}}
 
 
-def left(upstream: float, seed: int) -> Array:
+def left(effects: dict[str, Any], seed: int) -> Array:
     """What the truth leaves of a joint that rests somewhere in its dead band, while the others move and so
     change its load.
     """
-    effects = {"load_elasticity": {**SOFT["load_elasticity"], "upstream": upstream}}
     stamp = 0.01 * np.arange(STEPS)
     phi = setpoints_of(0.01 * STEPS, 5, seed)
     phi[RESTS.start - 100 : RESTS.stop, RESTING] = phi[RESTS.start - 100, RESTING]
@@ -51,9 +52,19 @@ def left(upstream: float, seed: int) -> Array:
 @pytest.mark.parametrize("upstream", [0.0, 1.0])
 def test_it_lies_where_it_was_read_whatever_pulls_meanwhile(upstream: float) -> None:
     for seed in range(3):
-        off = left(upstream, seed)
+        off = left({"load_elasticity": {**SOFT["load_elasticity"], "upstream": upstream}}, seed)
         assert abs(off.mean()) < 0.2 * NOISE
         assert off.std() == pytest.approx(NOISE, rel=0.1)
+
+
+@pytest.mark.parametrize("form", [form for form in PreslidingHysteresis.forms if form != "bristles"])
+def test_a_rounded_friction_lies_where_it_was_read(form: str) -> None:
+    """What had led it there is further away: it comes back by a part of the way at once."""
+    values: dict[str, Any] = {"form": form, "width": np.full(5, 1.5e-3)}
+    if form == "compliant":
+        values["through"] = np.full(5, 0.2)
+    off = left({"presliding_hysteresis": values}, 1)
+    assert abs(off.mean()) < 0.2 * NOISE
 
 
 @given(st.lists(st.floats(-1.0, 1.0), min_size=1, max_size=40))

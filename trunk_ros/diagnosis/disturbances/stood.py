@@ -11,7 +11,8 @@ from trunk_ros.data.motion_content import STANDS
 from trunk_ros.effects.core import Core
 from trunk_ros.effects.effect import Now
 from trunk_ros.effects.wire.play import SharpPlay
-from trunk_ros.levels import TURNS
+from trunk_ros.effects.wire.presliding_hysteresis import REACHED, SOLVED, RoundedPlay
+from trunk_ros.levels import HARDLY, TURNS
 from trunk_ros.stage import Memory, Order, adjusted, through
 
 
@@ -57,7 +58,24 @@ def held(
     wide = width[rows] if len(width) > 1 else width
     off = np.empty(u.shape[1])
     _lies(_c(u[rows]), _c(wide), _c(moved[rows]), _c(shown[rows]), *read, core.rounding is None, off)
-    return element.run(np.stack([u[0] + off, u[0]]), width[:1], None)[1]
+    came = off if core.rounding is None else _comes_from(core.rounding, u[0], width[:1], off)
+    return element.run(np.stack([u[0] + came, u[0]]), width[:1], None)[1]
+
+
+def _comes_from(element: RoundedPlay, at: Array, width: Array, off: Array) -> Array:
+    """How far away (columns,) rad what comes to a rounded element ``at`` (columns,) rad was before, where it
+    lies ``off`` (columns,) rad: it goes back at once by a part of the way, the more the further that was.
+    """
+    before, lay, came = np.zeros_like(off), np.zeros_like(off), off
+    for _ in range(SOLVED):
+        lies = element.run(np.stack([at + came, at]), width, None)[0][-1] - at
+        slope = np.divide(lies - lay, came - before, out=np.zeros_like(off), where=came != before)
+        goes = (np.abs(off - lies) > REACHED) & (slope > HARDLY * HARDLY)  # else it lies as far off as it can
+        if not goes.any():
+            break
+        further = np.divide(off - lies, slope, out=np.zeros_like(off), where=goes)
+        before, lay, came = came, lies, came + further
+    return came
 
 
 def _c(signal: Array) -> Array:
