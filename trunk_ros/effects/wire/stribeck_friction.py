@@ -11,6 +11,7 @@ from trunk_ros.parameter import Parameter
 
 STEP = 0.0025  # s: friction that falls while the joint speeds up lets it leap
 MOST = 200  # steps between two samples
+FAST = 6.1  # times the speed at which it fades: so little is left that it would be lost in rounding
 
 
 class StribeckFriction(Effect):
@@ -108,7 +109,8 @@ def film(
                 before, follows, per_second = h, -np.expm1(-h / lag[j]), 1.0 / h if h > 0.0 else 0.0
             at, step, more = last, (u[k, j] - last) / parts, 0.0
             for _ in range(parts):
-                more = amplitude[j] * np.exp(-((late * slow) ** 2))
+                share = late * slow
+                more = amplitude[j] * np.exp(-share * share) if share < FAST else 0.0
                 w = max(width[k, j] + more, 0.0)
                 at += step
                 moved = min(max(theta, at - w), at + w)
