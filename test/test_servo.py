@@ -295,14 +295,14 @@ def test_joints_side_by_side_come_out_as_each_by_itself(
         np.vstack([
             np.where(limited * each > 1.0, [0.5 * each, 9.0 * each], np.inf),
             np.outer([0.5 * held, 0.1], each),
-            [np.where(limited * each > 1.3, 3.0 * each, np.inf), 0.03 * each],
+            [np.where(limited * each > 1.3, 3.0 * each, np.inf), 0.03 * each, 0.2 * summing * (each > 0.9)],
         ]),
         np.where(each > 0.7, summing * each, 0.0),
         rng.normal(scale=1e-3, size=setpoint.shape)[: len(setpoint) if fed else 0],
     ]  # fmt: skip
     arguments[2][1] = 300.0  # stiff: stepped finer than the others
-    together, start = np.empty_like(setpoint), rng.normal(size=(7, columns))
-    start[-1] = np.where(np.arange(columns) % 2, np.nan, start[-1])
+    together, start = np.empty_like(setpoint), rng.normal(size=(8, columns))
+    start[-2:] = np.where(np.arange(columns) % 2, np.nan, start[-2:])
     after = start.copy()
     servo_loops(*arguments, ahead, 0, after, together)
     for j in range(columns):

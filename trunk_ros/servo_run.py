@@ -54,6 +54,7 @@ def servo_core(arm: Arm, effects: Sequence[Effect], now: Now, numbers: Array | N
         dry=none,
         ki=none,
         windup=none,
+        speed_ki=none,
         teeth=np.zeros((2, 1, columns)),
     )
     for e in effects:
@@ -65,7 +66,7 @@ def servo_core(arm: Arm, effects: Sequence[Effect], now: Now, numbers: Array | N
 def run_servo(
     core: Core, now: Now, setpoints: Array, stamps: Array, start: Array, anew: Iterable[int] = ()
 ) -> tuple[Array, Array]:
-    """Gearbox angle (n, columns) of loops with these numbers and their state (7, columns) after it;
+    """Gearbox angle (n, columns) of loops with these numbers and their state (8, columns) after it;
     ``setpoints`` may begin with past rows. After each of the rows ``anew`` it goes on from where the gearbox
     is there.
     """
@@ -83,7 +84,7 @@ def run_servo(
 
 
 def with_sums(core: Core, now: Now, setpoints: Array, start: Array) -> Array:
-    """The state (7, columns) of a start with what integral parts hold then: as much as has the shafts go as
+    """The state (8, columns) of a start with what integral parts hold then: as much as has the shafts go as
     they were read to from there. By the first reading alone it would be known no better than a speed is, and
     it dies away slowly.
     """
@@ -96,7 +97,7 @@ def with_sums(core: Core, now: Now, setpoints: Array, start: Array) -> Array:
 
 
 def with_profiles(core: Core, now: Now, setpoints: Array, start: Array) -> Array:
-    """The state (7, columns) of a start with how far the profiles of drives are then, and how fast: as ahead
+    """The state (8, columns) of a start with how far the profiles of drives are then, and how fast: as ahead
     of shafts as loops lag that go at one speed, gather it, or brake, whichever leads on as they were read.
     """
     run, best, least = _from_starts(core, now, setpoints), start, np.full(start.shape[1], np.inf)
@@ -112,7 +113,7 @@ def with_profiles(core: Core, now: Now, setpoints: Array, start: Array) -> Array
 
 
 def _from_starts(core: Core, now: Now, setpoints: Array) -> Callable[[Array], Array]:
-    """Gearbox angles of the first rows, as many as tell how a run began, from a state (7, columns)."""
+    """Gearbox angles of the first rows, as many as tell how a run began, from a state (8, columns)."""
     rows = min(len(now.stamp), ENOUGH)
     first, begun = _between(core, 0, rows), replace(now, stamp=now.stamp[:rows])
     return lambda start: run_servo(first, begun, setpoints[:rows], begun.stamp, start)[0]
@@ -203,7 +204,7 @@ def _side_by_side(
 
 
 def _limits(core: Core) -> Array:
-    limits = core.paces, core.hardest, core.dry, core.windup, core.ramp, core.told
+    limits = core.paces, core.hardest, core.dry, core.windup, core.ramp, core.told, core.speed_ki
     return _stacked(*limits)
 
 

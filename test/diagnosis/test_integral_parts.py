@@ -1,4 +1,4 @@
-"""Drives with an integral part in their position loop are told by that, and hold on another motion."""
+"""Drives with an integral part in one of their loops are told by that, and hold on another motion."""
 
 from __future__ import annotations
 
@@ -49,3 +49,15 @@ def test_an_offset_is_none_that_hardly_sums_up() -> None:
     hidden = {"servo_offset": {"offset": np.array([0.0, 0.01, 0.0])}}
     (finding,) = diagnose(limited(hidden, 1), model=_stated()).findings
     assert (finding.effect, finding.joints) == ("servo_offset", ["elbow"])
+
+
+@pytest.mark.parametrize("model", [_stated(), "direct"])
+def test_an_integral_part_of_the_velocity_loop_is_told_by_its_name(model: Any) -> None:
+    """It had been a slower velocity loop, and half of it was left."""
+    hidden = {"speed_integral": {"rate": 12.0}}
+    run, other = (of_joints(limited(hidden, seed), "shoulder", "elbow") for seed in (1, 2))
+    found = diagnose(run, model=model)
+    (finding,) = found.findings
+    assert (finding.effect, found.verdict) == ("speed_integral", "explained")
+    assert finding.parameters["arm"]["rate"]["value"] == pytest.approx(12.0, rel=0.01)
+    assert _left(found.model, other).max() < 6e-5

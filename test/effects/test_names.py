@@ -54,6 +54,7 @@ TABLE: dict[str, tuple[str, str, dict[str, str], set[str]]] = {
     "setpoint_profile": ("servo", "high_speed", {"acceleration": "rad/s^2"}, {"acceleration"}),
     "motor_friction": ("servo", "reversal", {"friction": "rad"}, {"friction"}),
     "integral_action": ("servo", "high_speed", {"ki": "1/s^2"}, {"ki"}),
+    "speed_integral": ("servo", "high_speed", {"rate": "1/s"}, {"rate"}),
     "load_droop": ("servo", "posture", {"gain": "rad/(N*m)"}, {"gain"}),
     "cogging": (
         "servo", "posture", {"amplitude": "rad", "cycles_per_rev": "1"}, {"amplitude", "cycles_per_rev"},

@@ -116,6 +116,7 @@ def test_servos_of_any_numbers_go_as_simulate_has_them(servo: dict[str, Any]) ->
         ({}, {"acceleration_limit": {"acceleration": 6.0}}),
         ({}, {"motor_friction": {"friction": 0.01}}),
         ({}, {"integral_action": {"ki": np.array([0.0, 5.0, 15.0, 15.0, 60.0])}}),
+        ({}, {"speed_integral": {"rate": 8.0}}),
     ],
     ids=[
         "slower",
@@ -128,6 +129,7 @@ def test_servos_of_any_numbers_go_as_simulate_has_them(servo: dict[str, Any]) ->
         "current-limited",
         "dry",
         "summing up",
+        "summing up its speed",
     ],
 )
 def test_servos_at_their_top_speed_go_as_simulate_has_them(

@@ -76,6 +76,8 @@ class Core:
     """(1, columns) 1/s^2: gain of the integral part of the position loop."""
     windup: Array = field(default_factory=lambda: NONE)
     """(1, columns) rad/s beyond the top speed up to which that sums up."""
+    speed_ki: Array = field(default_factory=lambda: NONE)
+    """(1, columns) 1/s: how fast the loop of the speed sums up its own error."""
     geometry: Geometry = field(default_factory=lambda: AS_DESCRIBED)
     along: Array = field(default_factory=lambda: NO_TURN)
     """(joints, 3) unit vectors from each joint to the next, in the joint's frame."""

@@ -8,7 +8,7 @@ from trunk_ros.arm.arm import STEP
 from trunk_ros.compiled import Array, compiled
 from trunk_ros.effects.servo.asked import beyond, mean_of, speed_asked
 from trunk_ros.effects.servo.speed import held_back, led_on, rise, towards
-from trunk_ros.effects.servo.summed import first_asked, held_at_first, summed_up
+from trunk_ros.effects.servo.summed import first_asked, gathered, held_at_first, summed_up
 from trunk_ros.sine import sine
 
 CLOSE = 0.25  # of the time that a position loop takes: longer steps would make a stiff one swing
@@ -16,16 +16,17 @@ LONGEST = 30.0  # s without a new setpoint, after which a servo stands
 
 
 def fresh(angle: Array, speed: Array | float = 0.0) -> Array:
-    """State (7, columns) of loops as a run begins, with wires that bear nothing that is known, and drives of
-    which it is not known how far their own setpoint has come, how fast, and what their integral part holds.
+    """State (8, columns) of loops as a run begins, with wires that bear nothing that is known, and drives of
+    which it is not known how far their own setpoint has come, how fast, and what their integral parts hold.
     """
     none = np.zeros_like(angle)
-    return np.stack([angle, speed + none, angle, *(none + np.nan for _ in range(4))])
+    return np.stack([angle, speed + none, angle, *(none + np.nan for _ in range(5))])
 
 
 def unlimited(columns: int) -> Array:
-    """(6, 1, columns) limits of loops that have none."""
-    return np.repeat([[[np.inf]], [[np.inf]], [[0.0]], [[0.0]], [[np.inf]], [[0.0]]], columns, axis=2)
+    """(7, 1, columns) limits of loops that have none."""
+    none = [[[np.inf]], [[np.inf]], [[0.0]], [[0.0]], [[np.inf]], [[0.0]], [[0.0]]]
+    return np.repeat(none, columns, axis=2)
 
 
 @compiled
@@ -62,13 +63,14 @@ def servo_loop(
     """Gearbox angle at each stamp, before the setpoint of that stamp acts. ``up``, ``down``: top speeds.
 
     ``setpoint`` (m, columns) and ``stamp`` (m,) start with the ``skip`` past rows that a delay may need, and
-    may go on beyond ``out`` (n, columns), for delays below 0; ``state`` (7, columns) is angle, speed, where
+    may go on beyond ``out`` (n, columns), for delays below 0; ``state`` (8, columns) is angle, speed, where
     the wire stuck, what the load pulled, how far the drive's own setpoint came, how fast, and what the
-    integral part asks for (NaN: the run begins) at row ``skip - 1``. The numbers of the loop (1 or n,
-    columns), ``cogging`` (3, likewise), ``limits`` (6, likewise) of how fast the drive moves its own setpoint
-    on, of how fast the speed changes, the error that the motor's dry friction holds, how far beyond its top
-    speed the loop sums up, how fast the speed of the drive's own setpoint changes, and s of that speed by
-    which the loop is told it; ``reach`` (columns,).
+    integral parts of the speed's loop and of the position's ask for (NaN: the run begins) at row
+    ``skip - 1``. The numbers of the loop (1 or n, columns), ``cogging`` (3, likewise), ``limits`` (7,
+    likewise) of how fast the drive moves its own setpoint on, of how fast the speed changes, the error that
+    the motor's dry friction holds, how far beyond its top speed the loop sums up, how fast the speed of the
+    drive's own setpoint changes, s of that speed by which the loop is told it, and how fast the loop of the
+    speed sums up its own error; ``reach`` (columns,).
     A wire that slides holds the shaft back by ``rub``, from ``reach`` beyond where it stuck, no less than
     ``rub``: the loop would be stiffer than its gain. A wire that sticks keeps its tension: a ``load`` (rad of
     the setpoint) that changes meanwhile only brings it nearer to sliding. Between two rows the mean of their
@@ -83,7 +85,7 @@ def servo_loop(
     rows, columns = setpoint.shape
     for j in range(columns):
         phi, v, stuck, bore, led = state[0, j], state[1, j], state[2, j], state[3, j], state[4, j]
-        pace, total, own, used, over = state[5, j], state[6, j], 0.0, 0.0, 0.0
+        pace, push, total, own, used, over = state[5, j], state[6, j], state[7, j], 0.0, 0.0, 0.0
         held, smooth, known, lag = 0, 0.0, -1.0, -1.0
         for k in range(skip, skip + len(out)):
             r = k - skip
@@ -95,6 +97,7 @@ def servo_loop(
             quickest, hardest, dry = at(limits[0], r, j), at(limits[1], r, j), at(limits[2], r, j)
             firm, winds, ramp = at(ki, r, j), at(limits[3], r, j), at(limits[4], r, j)
             leads, feed, told = min(quickest, ramp) < np.inf, at(limits[5], r, j), 0.0
+            restores = at(limits[6], r, j)
             if led != led and leads:
                 led, pace = phi + v / gain - feed * v, v  # where a loop that goes at that speed is led
             moved = 0.0
@@ -109,6 +112,10 @@ def servo_loop(
                 goal = led + feed * pace if leads else first_asked(setpoint, stamp, j, k, late)
                 rest = goal + pulled + size * sine(cycles * phi + phase) - phi
                 total = held_at_first(rest, tension, past, v, gain, zone, least, most)
+            if push != push:  # the run begins: a torque that lasts is made up for
+                push = 0.0
+                if restores != 0.0 and past != 0.0:
+                    push -= gain * past * (bears - (rubs * (phi - stuck) / reach[j] if rubs != 0.0 else 0.0))
             borne = bears if bore != bore else 0.5 * (bore + bears)
             bore = bears
             if k > 0:
@@ -157,7 +164,9 @@ def servo_loop(
                     else:
                         v_ref = min(max(gain * beyond(error, zone), least - used), most - used)
                     v_ref += used
+                    wanted = v_ref
                     v_ref += gain * past * tension
+                    v_ref += push
                     before = v
                     if hardest < np.inf:
                         v = towards(v, v + smooth * (v_ref - v), hardest * h)
@@ -165,7 +174,10 @@ def servo_loop(
                         v += smooth * (v_ref - v)
                     if dry != 0.0:
                         v = held_back(v, smooth * gain * dry)
-                    phi += h * (v + ahead * (before - v))
+                    meant = v + ahead * (before - v)
+                    if restores != 0.0:
+                        push += gathered(h * restores * (wanted - meant), v - before, hardest * h)
+                    phi += h * meant
             stuck -= moved
             out[k - skip, j] = phi
         state[0, j] = phi
@@ -174,4 +186,5 @@ def servo_loop(
         state[3, j] = bore
         state[4, j] = led
         state[5, j] = pace
-        state[6, j] = total
+        state[6, j] = push
+        state[7, j] = total

@@ -9,7 +9,7 @@ from trunk_ros.compiled import Array, compiled
 from trunk_ros.effects.servo.asked import ask, beyond, speed_asked
 from trunk_ros.effects.servo.loop import CLOSE, LONGEST
 from trunk_ros.effects.servo.speed import held_back, led_on, rise, towards
-from trunk_ros.effects.servo.summed import first_asked, held_at_first, summed_up
+from trunk_ros.effects.servo.summed import first_asked, gathered, held_at_first, summed_up
 from trunk_ros.sine import sine
 
 SEVERAL = 5  # columns from which on it pays to step them side by side
@@ -42,7 +42,7 @@ def servo_loops(
 ) -> None:
     """The same as ``servo_loop``, to the last bit, with the columns in the innermost loop."""
     columns = setpoint.shape[1]
-    phi, v, stuck, bore, led, pace, total = state
+    phi, v, stuck, bore, led, pace, push, total = state
     held, substeps = np.zeros(columns, np.int64), np.zeros(columns, np.int64)
     step, h, smooth = np.empty(columns), np.empty(columns), np.empty(columns)
     tension, borne, moved = np.empty(columns), np.empty(columns), np.empty(columns)
@@ -61,7 +61,7 @@ def servo_loops(
     quickest, ramp, feed = limits[0], limits[4], limits[5]
     led_to = np.minimum(quickest, ramp) < np.inf
     leads, strains = np.any(led_to), np.any(limits[1] < np.inf)
-    dries = np.any(limits[2] != 0.0)
+    dries, restore = np.any(limits[2] != 0.0), np.any(limits[6] != 0.0)
     for j in range(columns):
         if led[j] != led[j] and led_to[j]:
             led[j], pace[j] = phi[j] + v[j] / kp[j] - feed[j] * v[j], v[j]
@@ -101,6 +101,17 @@ def servo_loops(
                     goal + pull[k - skip, j] + swing - phi[j], pulls, torque[j], v[j], kp[j],
                     dead_zone[k - skip, j], -down[j], up[j],
                 )  # fmt: skip
+            if push[j] != push[j]:
+                push[j] = 0.0
+                if limits[6, j] != 0.0 and torque[j] != 0.0:
+                    push[j] -= (
+                        kp[j]
+                        * torque[j]
+                        * (
+                            load[k - skip, j]
+                            - (rub[j] * (phi[j] - stuck[j]) / reach[j] if rub[j] != 0.0 else 0.0)
+                        )
+                    )
             borne[j] = load[k - skip, j] if bore[j] != bore[j] else 0.5 * (bore[j] + load[k - skip, j])
             bore[j] = load[k - skip, j]
         for first in range(0, most, BLOCK):
@@ -178,7 +189,9 @@ def servo_loops(
                             setpoint, stamp, j, begun, t, h[j], kp[j], whole[j], zone, below[j], above[j]
                         )
                     v_ref += used[j]
+                    wanted = v_ref
                     v_ref += kp[j] * torque[j] * tension[j]
+                    v_ref += push[j]
                     before = v[j]
                     if strains and limits[1, j] < np.inf:
                         v_ref = towards(before, before + smooth[j] * (v_ref - before), limits[1, j] * h[j])
@@ -187,7 +200,11 @@ def servo_loops(
                         v[j] += (smooth[j] if goes_on else 0.0) * (v_ref - before)
                     if dries and goes_on and limits[2, j] != 0.0:
                         v[j] = held_back(v[j], smooth[j] * kp[j] * limits[2, j])
-                    phi[j] += (h[j] if goes_on else 0.0) * (v[j] + ahead * (before - v[j]))
+                    meant = v[j] + ahead * (before - v[j])
+                    if restore and goes_on and limits[6, j] != 0.0:
+                        off = h[j] * limits[6, j] * (wanted - meant)
+                        push[j] += gathered(off, v[j] - before, limits[1, j] * h[j])
+                    phi[j] += (h[j] if goes_on else 0.0) * meant
         for j in range(columns):
             stuck[j] -= moved[j]
             out[k - skip, j] = phi[j]

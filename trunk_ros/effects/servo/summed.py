@@ -1,4 +1,4 @@
-"""What the integral part of a servo's position loop asks for."""
+"""What the integral parts of a servo ask for."""
 
 from __future__ import annotations
 
@@ -39,3 +39,11 @@ def summed_up(total: float, more: float, asked: float, least: float, most: float
     """No further while the loop asks for more than its top speed, or for more than may wind up beyond it."""
     winds = (asked > most and more > 0.0) or (asked < least and more < 0.0)
     return total if winds else total + more
+
+
+@compiled
+def gathered(own: float, change: float, most: float) -> float:
+    """What the integral part of a speed's loop gathers in a step of its ``own``, while the speed changes by
+    ``change``: nothing that would lead further beyond the ``most`` that it can.
+    """
+    return own if abs(change) < most or own * change < 0.0 else 0.0

@@ -38,6 +38,7 @@ class VelocityLoop(Effect):
     confused_with = (
         ("servo_delay", "step the setpoint: a delay does nothing at first, a slow speed rises at once"),
         ("servo_bandwidth", "move at a constant speed: the velocity loop then leaves no error"),
+        ("speed_integral", "ramp the setpoint: an integral part overshoots, and comes back as it forgets"),
     )
 
     @classmethod

@@ -91,7 +91,7 @@ def core_of(like: Array) -> Core:
         rub=0.0 * one, dead_zone=zero, kp=one,
         tau_v=one, v_max=one * np.inf, uneven=0.0 * one, delay=one * 0.0,
         feedforward=one * 0.0, cogging=np.zeros((3, 1, 1)), quickest=one * np.inf, ramp=one * np.inf,
-        hardest=one * np.inf, dry=one * 0.0, ki=one * 0.0, windup=one * 0.0,
+        hardest=one * np.inf, dry=one * 0.0, ki=one * 0.0, windup=one * 0.0, speed_ki=one * 0.0,
     )  # fmt: skip
 
 

@@ -18,6 +18,7 @@ from trunk_ros.model import Model, load_model
 OF_THE_LOOP = {
     "acceleration_limit": "limit it in the simulator: no command before its servos does",
     "integral_action": "give the simulator's servos an integral part: no command before them is one",
+    "speed_integral": "give the loops of the simulator's speeds an integral part: no command is one",
 }
 
 

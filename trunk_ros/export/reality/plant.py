@@ -13,7 +13,7 @@ from trunk_ros.compiled import Array, compiled
 from trunk_ros.effects import effect
 from trunk_ros.effects.servo.loop import CLOSE
 from trunk_ros.effects.servo.speed import held_back, rise, towards
-from trunk_ros.effects.servo.summed import summed_up
+from trunk_ros.effects.servo.summed import gathered, summed_up
 from trunk_ros.errors import ModelError
 from trunk_ros.export.missing import missing
 from trunk_ros.export.reality.scene import Scene
@@ -55,6 +55,7 @@ class Plant:
         }
         self.model, self.joints = missing(replace(own, effects=beside)).model, model.arm.joints
         self._shape = environments, len(self.joints)
+        self._push: Array = np.zeros(self._shape)
         self.reset()
 
     @property
@@ -77,6 +78,7 @@ class Plant:
         self._gearbox = np.where(chosen[:, None], stands / self.model.arm.ratio, self._gearbox)
         self._velocity = np.where(chosen[:, None], 0.0, self._velocity)
         self._total = np.where(chosen[:, None], np.nan, self._total)
+        self._push = np.where(chosen[:, None], 0.0, self._push)
         self._theta = np.where(chosen[:, None], stands, self._theta)
         return self._theta.copy()
 
@@ -87,6 +89,7 @@ class Plant:
         tops = np.where(self._servo.ramp[: self._shape[1]] < np.inf, np.inf, self._tops)
         self._loop = [np.full(self._shape[1], n) for n in (self._arm.kp, self._arm.tau_v, *tops)]
         self._gearbox, self._velocity, self._theta = (np.zeros(self._shape) for _ in range(3))
+        self._push = np.zeros(self._shape)
         self._total = np.full(self._shape, np.nan)
         self._anew = np.zeros(environments, bool)
 
@@ -104,10 +107,10 @@ class Plant:
         arm = self._arm
         kp, tau_v, up, down = self._loop
         servo = self._servo
-        limits = np.stack([servo.hardest, servo.dry, servo.windup])
-        beside, total = servo.beside.reshape(self._shape), self._total
+        limits = np.stack([servo.hardest, servo.dry, servo.windup, servo.speed_ki])
+        beside, sums = servo.beside.reshape(self._shape), (self._push, self._total)
         ki = np.ascontiguousarray(servo.ki)
-        follow(wanted, beside, dt, kp, tau_v, up, down, limits, ki, arm.ahead, gearbox, velocity, total)
+        follow(wanted, beside, dt, kp, tau_v, up, down, limits, ki, arm.ahead, gearbox, velocity, *sums)
         self._time += dt
         theta = self._theta + (gearbox - before) * arm.ratio
         now = Scene(arm, self.model.duration, dt, gearbox, theta, velocity * arm.ratio)
@@ -139,13 +142,14 @@ def follow(
     ahead: float,
     gearbox: Array,
     velocity: Array,
+    push: Array,
     total: Array,
 ) -> None:
     """Move motor-side angles and velocities (environments, joints) by ``dt`` s under setpoints, in place, by
-    servos with these numbers (joints,), ``up`` and ``down`` being top speeds; ``limits`` (3, joints), ``ki``,
-    ``total``, ``ahead`` and ``beside`` as in ``servo_loop``.
+    servos with these numbers (joints,), ``up`` and ``down`` being top speeds; ``limits`` (4, joints), ``ki``,
+    ``push``, ``total``, ``ahead`` and ``beside`` as in ``servo_loop``.
     """
-    hardest, dry, windup = limits[0], limits[1], limits[2]
+    hardest, dry, windup, restores = limits[0], limits[1], limits[2], limits[3]
     for j in range(setpoints.shape[1]):
         steps = max(int(np.ceil(dt / min(STEP, CLOSE / kp[j]) - 1e-9)), 1)
         h = dt / steps
@@ -164,6 +168,10 @@ def follow(
                     least, most = below - windup[j], above + windup[j]
                     total[e, j] = summed_up(total[e, j], own, kp[j] * error, least, most)
                 wanted = min(max(kp[j] * error, -down[j] - used), up[j] - used) + used
-                after = towards(before, before + smooth * (wanted - before), hardest[j] * h)
+                after = towards(before, before + smooth * (wanted + push[e, j] - before), hardest[j] * h)
                 velocity[e, j] = held_back(after, smooth * kp[j] * dry[j])
-                gearbox[e, j] += h * (velocity[e, j] + ahead * (before - velocity[e, j]))
+                meant = velocity[e, j] + ahead * (before - velocity[e, j])
+                if restores[j] != 0.0:
+                    off, change = h * restores[j] * (wanted - meant), velocity[e, j] - before
+                    push[e, j] += gathered(off, change, hardest[j] * h)
+                gearbox[e, j] += h * meant

@@ -59,6 +59,8 @@ class Servo:
         """(joints,) 1/s^2, likewise: summed up without ``beside`` (columns,) rad, loads and what is fed."""
         self.windup = np.broadcast_to(np.ravel(core.windup), len(arm.joints))
         """(joints,) rad/s, likewise."""
+        self.speed_ki = np.broadcast_to(np.ravel(core.speed_ki), len(arm.joints))
+        """(joints,) 1/s, likewise."""
         self.beside: Array = np.zeros(columns)
         self.ramp, self.pace = spread(np.ravel(core.ramp)), spread(np.minimum(np.ravel(top), led))
         limited = core.bounded or bool(np.isfinite(np.minimum(led, core.ramp)).any())
