@@ -11,7 +11,7 @@ from trunk_ros.data.motion_content import STANDS
 from trunk_ros.effects.core import Core
 from trunk_ros.effects.effect import Now
 from trunk_ros.effects.wire.play import SharpPlay
-from trunk_ros.effects.wire.presliding_hysteresis import REACHED, SOLVED, RoundedPlay
+from trunk_ros.effects.wire.presliding_hysteresis import SOLVED, RoundedPlay
 from trunk_ros.levels import HARDLY, TURNS
 from trunk_ros.stage import Memory, Order, adjusted, through
 
@@ -66,14 +66,17 @@ def _comes_from(element: RoundedPlay, at: Array, width: Array, off: Array) -> Ar
     """How far away (columns,) rad what comes to a rounded element ``at`` (columns,) rad was before, where it
     lies ``off`` (columns,) rad: it goes back at once by a part of the way, the more the further that was.
     """
-    before, lay, came = np.zeros_like(off), np.zeros_like(off), off
+    led, came, before, lay = np.stack([at, at]), off, np.zeros_like(off), np.zeros_like(off)
     for _ in range(SOLVED):
-        lies = element.run(np.stack([at + came, at]), width, None)[0][-1] - at
-        slope = np.divide(lies - lay, came - before, out=np.zeros_like(off), where=came != before)
-        goes = (np.abs(off - lies) > REACHED) & (slope > HARDLY * HARDLY)  # else it lies as far off as it can
+        led[0] = at + came
+        lies = element.run(led, width, None)[0][1] - at
+        way, lacks, gained = came - before, off - lies, lies - lay
+        goes = (np.abs(lacks) > HARDLY**2 * STANDS) & (
+            gained * way > HARDLY**2 * way**2
+        )  # else as far off as it can lie
         if not goes.any():
             break
-        further = np.divide(off - lies, slope, out=np.zeros_like(off), where=goes)
+        further = lacks * way / np.where(goes, gained, np.inf)
         before, lay, came = came, lies, came + further
     return came
 
