@@ -90,6 +90,7 @@ def test_what_the_simulator_has_itself_is_no_finding() -> None:
     assert len(result.simulation["has"]) == 3
 
 
+@pytest.mark.long
 def test_a_recording_against_itself_lacks_nothing() -> None:
     """What no name fits, in the servos of both, had been a finding at 0.95."""
     whole = run({}, 0.0)

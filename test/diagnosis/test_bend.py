@@ -34,6 +34,7 @@ def _found(recording: Recording) -> dict[str, Finding]:
     return {finding.effect: finding for finding in diagnose(of_the_wires(recording)).findings}
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("curve", "effects"),
     [

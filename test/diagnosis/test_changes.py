@@ -76,6 +76,7 @@ def test_a_payload_that_changed_is_said_also_where_the_wires_are_as_they_were() 
     assert only.parameters["arm"]["payload"]["value"] == pytest.approx(0.15, abs=0.01)
 
 
+@pytest.mark.long
 def test_a_fuller_law_in_the_place_of_what_the_model_has_is_told_once() -> None:
     """A pair that goes slack stretches as the model has it up to there: nothing of that is gone."""
     soft = np.full(3, 0.05)

@@ -74,6 +74,7 @@ def test_effects_that_hide_each_other_are_both_named(
     assert result.verdict == "explained"
 
 
+@pytest.mark.long
 def test_against_another_simulator_its_prediction_is_what_is_doubted() -> None:
     truth = {"backlash": {"half_width": on(1, 1e-3)}, "zero_offset": {"offset": on(3, 2e-3)}}
     real = of_the_wires(recorded(truth, seconds=12.0))
@@ -131,6 +132,7 @@ def test_a_zero_that_is_off_and_jumps_is_named_as_both() -> None:
     }
 
 
+@pytest.mark.long
 def test_a_top_speed_that_one_joint_meets_is_the_servos_of_all() -> None:
     hidden = {"velocity_saturation": {"v_max": 0.45}, "servo_delay": {"delay": 0.004}}
     result = arms.diagnose([of_the_servos(arms.recorded(hidden, 40.0, size=0.9))])

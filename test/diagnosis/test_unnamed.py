@@ -111,6 +111,7 @@ def test_a_zero_that_jumps_to_and_fro_is_told_with_its_moments() -> None:
     assert left(result, "joint_3") < 1.2
 
 
+@pytest.mark.long
 def test_errors_that_a_servo_does_not_answer_to_have_no_other_name() -> None:
     zone = {p.name: np.full(2, 3e-3) for p in VALUES}
     ends = {"on": ["position"] * 2, "low": np.full(2, -1.0), "high": np.full(2, 1.0)}

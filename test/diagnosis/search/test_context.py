@@ -77,6 +77,7 @@ def test_a_prediction_costs_its_steps() -> None:
     assert now.work.done == len(now.views[0].span.grid)
 
 
+@pytest.mark.long
 def test_a_search_that_runs_out_of_work_gives_the_best_so_far() -> None:
     start = two()
     steps = len(start.views[0].span.grid)

@@ -71,9 +71,8 @@ def _comes_from(element: RoundedPlay, at: Array, width: Array, off: Array) -> Ar
         led[0] = at + came
         lies = element.run(led, width, None)[0][1] - at
         way, lacks, gained = came - before, off - lies, lies - lay
-        goes = (np.abs(lacks) > HARDLY**2 * STANDS) & (
-            gained * way > HARDLY**2 * way**2
-        )  # else as far off as it can lie
+        more = gained * way > HARDLY**2 * way**2  # else it lies as far off as it can
+        goes = more & (np.abs(lacks) > HARDLY**2 * STANDS)
         if not goes.any():
             break
         further = lacks * way / np.where(goes, gained, np.inf)

@@ -104,14 +104,8 @@ def servo_loops(
             if push[j] != push[j]:
                 push[j] = 0.0
                 if limits[6, j] != 0.0 and torque[j] != 0.0:
-                    push[j] -= (
-                        kp[j]
-                        * torque[j]
-                        * (
-                            load[k - skip, j]
-                            - (rub[j] * (phi[j] - stuck[j]) / reach[j] if rub[j] != 0.0 else 0.0)
-                        )
-                    )
+                    held_by = rub[j] * (phi[j] - stuck[j]) / reach[j] if rub[j] != 0.0 else 0.0
+                    push[j] -= kp[j] * torque[j] * (load[k - skip, j] - held_by)
             borne[j] = load[k - skip, j] if bore[j] != bore[j] else 0.5 * (bore[j] + load[k - skip, j])
             bore[j] = load[k - skip, j]
         for first in range(0, most, BLOCK):
