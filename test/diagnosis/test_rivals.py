@@ -62,6 +62,13 @@ def test_a_joint_that_lags_pulls_late_where_a_sensor_that_is_late_does_not() -> 
     assert found.confidence == pytest.approx(0.95)
 
 
+def test_what_joints_share_does_not_bend_to_rule_out_a_rival() -> None:
+    """The delay alone had stood for a part of the wider bands, and was then off where `backlash` stood."""
+    found = judged({"sensor_delay": {"delay": 0.004}, "tension_error": {"factor": 1.5}}, "tension_error")
+    assert "backlash" in found.equivalents
+    assert found.confidence < 0.95
+
+
 @pytest.mark.parametrize(("off", "same"), [(0.02, True), (0.3, False)])
 def test_dead_bands_that_are_all_wider_by_nearly_one_factor_may_be_the_tension(
     off: float, same: bool

@@ -130,7 +130,7 @@ def one_evidence(state: Fit, name: str) -> Evidence:
     out = Evidence(gain, needed(state, gain), strength(state, name))
     losses: list[float] = []
     if effect(name).named:
-        doubted = replace(bare, context=replace(context, doubts=True))
+        doubted = replace(beside_the_same(state, name) or bare, context=replace(context, doubts=True))
         looks = Looks.of(doubted, context.judged(state.hypothesis[name]))
         fits = rivals(state, name, doubted, looks, limit or 1.0)
         out.rivals = {rival: lost for rival, (lost, _) in fits.items()}
@@ -156,6 +156,19 @@ def one_evidence(state: Fit, name: str) -> Evidence:
         out.untold = untold(state, name, limit)
     out.confidence = likely(limit or 1.0, sum(gain.values()), losses)
     return out
+
+
+def beside_the_same(state: Fit, name: str) -> Fit | None:
+    """Without an effect, what each joint has by itself fitted anew beside what joints share as it is: that
+    would bend to stand for the effect, on joints where a rival is to do so. None where they share nothing.
+    """
+    less = state.hypothesis.without(name)
+    if not any(set(term.shared) - term.given for term in less.values()):
+        return None
+    held = {n: replace(term, given=term.given | set(term.shared)) for n, term in less.items()}
+    found = refit(state.context, Hypothesis(held))
+    free = {n: replace(term, given=less[n].given) for n, term in found.hypothesis.items()}
+    return replace(found, hypothesis=Hypothesis(free))
 
 
 def strength(state: Fit, name: str) -> float:
