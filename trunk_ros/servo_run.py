@@ -14,6 +14,7 @@ from trunk_ros.compiled import Array
 from trunk_ros.effects import lasting
 from trunk_ros.effects.core import Core
 from trunk_ros.effects.effect import Effect, Now
+from trunk_ros.effects.servo.leaps import leaping_loops
 from trunk_ros.effects.servo.loop import fresh, servo_loop
 from trunk_ros.effects.servo.loops import SEVERAL, servo_loops
 from trunk_ros.levels import ENOUGH, HARDLY
@@ -166,9 +167,10 @@ def speeds(setpoints: Array, stamps: Array) -> Array:
 def _step(
     core: Core, setpoints: Array, beside: Array, stamps: Array, skip: int, state: Array, out: Array
 ) -> None:
-    """Step the loops, side by side where that pays."""
+    """Step the loops, several steps at once or side by side where that pays."""
+    leaps, alongside = _is_plain(core), out.shape[1] >= SEVERAL
+    edges = _changes(core, len(out)) if leaps or alongside else []
     reached = np.where(core.rub.any(axis=0), np.maximum(core.reach, np.abs(core.rub).max(axis=0)), 0.0)
-    edges = _changes(core, len(out)) if out.shape[1] >= SEVERAL else []
     if not edges:
         cogging = _stacked(core.cogging, *core.teeth)
         numbers = core.kp, core.tau_v, *core.tops, core.delay, core.pull, core.load, core.torque, core.rub
@@ -179,7 +181,27 @@ def _step(
         )  # fmt: skip
     for first, last in pairwise(edges):
         here = _between(core, first, last) if len(edges) > 2 else core
-        _side_by_side(here, reached, setpoints, beside, stamps, skip + first, state, out[first:last])
+        if leaps:
+            _leaping(here, setpoints, stamps, skip + first, state, out[first:last])
+        else:
+            _side_by_side(here, reached, setpoints, beside, stamps, skip + first, state, out[first:last])
+
+
+def _is_plain(core: Core) -> bool:
+    """Whether nothing but top speeds keeps a step of the loop from being linear."""
+    none = core.rub, core.dead_zone, core.cogging, core.dry, core.ki, core.speed_ki
+    unlimited = core.quickest, core.ramp, core.hardest
+    return not any(one.any() for one in none) and all((one == np.inf).all() for one in unlimited)
+
+
+def _leaping(core: Core, setpoints: Array, stamps: Array, skip: int, state: Array, out: Array) -> None:
+    """Loops of which nothing but the load and what pulls changes, and that are plain."""
+    steady = core.kp, core.tau_v, *core.tops, core.delay, core.torque
+    kp, tau_v, up, down, delay, torque = (np.ascontiguousarray(number[0]) for number in steady)
+    pull, load = np.ascontiguousarray(core.pull), np.ascontiguousarray(core.load)
+    leaping_loops(
+        setpoints, stamps, kp, tau_v, up, down, delay, pull, load, torque, core.ahead, skip, state, out
+    )
 
 
 def _side_by_side(
