@@ -31,7 +31,7 @@ def stepped(
 
 @pytest.mark.parametrize("top", [0.3, 5.0, np.inf])
 @pytest.mark.parametrize("ahead", [0.0, 0.3, 0.5])
-@pytest.mark.parametrize("apart", [(0.01,), (0.0, 0.0013, 0.004, 0.01, 0.011, 0.4), (0.001, 0.03)])
+@pytest.mark.parametrize("apart", [(0.01,), (0.005,), (0.0, 0.0013, 0.004, 0.01, 0.011, 0.4), (0.001, 0.03)])
 def test_they_go_as_the_reference(top: float, ahead: float, apart: tuple[float, ...]) -> None:
     """Whatever the stamps are, whenever setpoints come, with the top speed often, at times or never there."""
     rng = np.random.default_rng(8)

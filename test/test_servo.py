@@ -314,6 +314,16 @@ def test_joints_side_by_side_come_out_as_each_by_itself(
         assert np.array_equal(state[:, 0], after[:, j], equal_nan=True)
 
 
+@pytest.mark.parametrize("rate", [200.0, 1000.0 / 3.0])
+def test_stamps_that_are_rounded_are_stepped_as_those_that_are_not(rate: float) -> None:
+    """Two and a half steps between two rows, and one and a half: halves once went up or down by chance."""
+    count = np.arange(int(8.0 * rate))
+    exact, read = count / rate, 1e-9 * np.rint(count * 1e9 / rate)
+    setpoint = np.outer(np.sin(2.0 * exact) + (exact > 4.0), [0.6, -0.4])
+    one, other = servo(setpoint, exact), servo(setpoint, read + 1000.0)
+    assert one == pytest.approx(other, abs=1e-7)
+
+
 def test_a_dead_zone_lets_through_what_is_beyond_its_edge() -> None:
     errors, zone = np.linspace(-0.02, 0.02, 4001), 0.01
     through = errors * np.clip((np.abs(errors) / zone - 1.0) / EDGE + 0.5, 0.0, 1.0)

@@ -7,7 +7,7 @@ import numpy as np
 from trunk_ros.arm.arm import STEP
 from trunk_ros.compiled import Array, compiled
 from trunk_ros.effects.servo.asked import speed_asked
-from trunk_ros.effects.servo.loop import CLOSE, LONGEST
+from trunk_ros.effects.servo.loop import CLOSE, LONGEST, steps_in
 from trunk_ros.effects.servo.speed import rise
 
 MOST = 64  # steps that are taken in one
@@ -45,18 +45,18 @@ def leaping_loops(
         gain, tau, late, past = kp[j], tau_v[j], delay[j], torque[j]
         most, least = up[j], -down[j]
         free, step = min(most, -least), min(STEP, CLOSE / gain)
-        held, h, smooth, powers = 0, -1.0, 0.0, 0
+        held, substeps, h, smooth, powers, known = 0, 1, 0.0, 0.0, 0, -np.inf
         for k in range(skip, skip + len(out)):
             r = k - skip
             bears, pulled = load[min(r, len(load) - 1), j], pull[min(r, len(pull) - 1), j]
             borne = bears if bore != bore else 0.5 * (bore + bears)
             bore = bears
             if k > 0:
-                span = min(stamp[k] - stamp[k - 1], LONGEST)
-                substeps = max(1, int(np.round(span / step)))  # not of the rounded: halves go either way
-                near = np.rint(span / GRID) * GRID / substeps
-                if near != h:
-                    h, powers = near, 0
+                apart = np.rint((stamp[k] - stamp[k - 1]) / GRID) * GRID
+                if apart != known:
+                    known, span = apart, min(apart, LONGEST)
+                    substeps = steps_in(span, step)
+                    h, powers = span / substeps, 0
                     smooth = rise(h, tau, ahead)
                 i, begun = 0, stamp[k] - substeps * h - late
                 while i < substeps:

@@ -7,7 +7,7 @@ import numpy as np
 from trunk_ros.arm.arm import STEP
 from trunk_ros.compiled import Array, compiled
 from trunk_ros.effects.servo.asked import ask, beyond, speed_asked
-from trunk_ros.effects.servo.loop import CLOSE, LONGEST
+from trunk_ros.effects.servo.loop import CLOSE, LONGEST, steps_in
 from trunk_ros.effects.servo.speed import held_back, led_on, rise, towards
 from trunk_ros.effects.servo.summed import first_asked, gathered, held_at_first, summed_up
 from trunk_ros.sine import sine
@@ -72,7 +72,7 @@ def servo_loops(
             if clocked[j]:
                 substeps[j], h[j] = substeps[j - 1], h[j - 1]
             else:
-                substeps[j] = max(1, int(np.round(span / step[j])))
+                substeps[j] = steps_in(span, step[j])
                 h[j] = span / substeps[j]
             if h[j] != known[j]:
                 known[j] = h[j]
