@@ -36,8 +36,9 @@ def test_growth_is_measured_of_a_joint_that_mostly_rests_and_of_noise_on_top_of_
     share: float,
 ) -> None:
     """In equal shares of all samples such a joint moved in one of them alone."""
-    speed = np.where(np.arange(len(SPEED)) < share * len(SPEED), SPEED, 1e-5 * RNG.random(len(SPEED)))
-    noise = NOISE * (1.0 + 16.0 * np.abs(speed)) * RNG.standard_normal(len(speed))
+    rng = np.random.default_rng(12)
+    speed = np.where(np.arange(len(SPEED)) < share * len(SPEED), SPEED, 1e-5 * rng.random(len(SPEED)))
+    noise = NOISE * (1.0 + 16.0 * np.abs(speed)) * rng.standard_normal(len(speed))
     found = growth([noise], [speed], [EVERY])
     assert found.rate == pytest.approx(16.0, rel=0.25)
     assert found.power == IN_SIZE

@@ -52,15 +52,18 @@ def thinned(
     if _stairs(_off_course(close, course), course, gearbox, stamp)[0] >= HALF * kept:
         return None  # the steps of the servo's own course make them
     tried = [
-        (_stairs(_off_course(gearbox, there), there, gearbox, stamp)[0], times, each)
+        (*_stairs(_off_course(gearbox, there), there, gearbox, stamp), times, each)
         for times, each in _fuller(setpoints, guide)
         for there in [servo_course(each, gearbox.stamp, model)]
     ]
-    least = min(stairs for stairs, _, _ in tried)
+    least = min(stairs for stairs, *_ in tried)
     if least >= PART * kept:  # a servo that is slower shows a part of them
         return None
     shown = round(period / _usual(gearbox.stamp))  # drives are mostly told as often as they answer
-    _, times, whole = min(tried, key=lambda one: (one[0] > CLEARLY * least, one[1] != shown, one[0]))
+    as_few = [
+        (left > CLEARLY * max(least, by_chance), times != shown, left) for left, by_chance, times, _ in tried
+    ]
+    _, _, times, whole = tried[as_few.index(min(as_few))]
     return Thinned(times, whole)
 
 

@@ -13,7 +13,7 @@ from trunk_ros.sine import sine
 
 CLOSE = 0.25  # of the time that a position loop takes: longer steps would make a stiff one swing
 LONGEST = 30.0  # s without a new setpoint, after which a servo stands
-PARTS = 100  # of a step: the time between two rows may be off by half of one
+HALFWAY = 0.495  # of a step more between two rows, and there is one more: also where stamps are rounded
 
 
 def fresh(angle: Array, speed: Array | float = 0.0) -> Array:
@@ -32,10 +32,10 @@ def unlimited(columns: int) -> Array:
 
 @compiled
 def steps_in(span: float, step: float) -> int:
-    """Steps of about ``step`` s in the ``span`` s between two rows. Halves go to the even number, also where
-    stamps are rounded: at 200 Hz there would be 2 or 3 by chance, and 1 mrad between two looks at a run.
+    """Steps of about ``step`` s in the ``span`` s between two rows. With halves that went up or down, at 200 Hz
+    there would be 2 or 3 by chance, and 1 mrad between two looks at a run.
     """
-    return max(1, int(np.rint(np.rint(span / step * PARTS) / PARTS)))
+    return max(1, int(span / step + 1.0 - HALFWAY))
 
 
 @compiled
