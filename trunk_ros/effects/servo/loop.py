@@ -32,8 +32,8 @@ def unlimited(columns: int) -> Array:
 
 @compiled
 def steps_in(span: float, step: float) -> int:
-    """Steps of about ``step`` s in the ``span`` s between two rows. With halves that went up or down, at 200 Hz
-    there would be 2 or 3 by chance, and 1 mrad between two looks at a run.
+    """Steps of about ``step`` s in the ``span`` s between two rows. Were halves to go up or down, at
+    200 Hz there would be 2 or 3 by chance, and 1 mrad between two looks at a run.
     """
     return max(1, int(span / step + 1.0 - HALFWAY))
 
