@@ -7,6 +7,7 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from itertools import product
+from operator import itemgetter
 from typing import Literal
 
 import numpy as np
@@ -171,8 +172,11 @@ def _like_others(loop: Loop, own: Array, others: list[Array], cost: float) -> tu
         return own, cost
     top = float(own[TOP_SPEED][0])
     starts = [loop.at(np.where(TOP_SPEED, top, numbers))[:4] for numbers in others]
-    near = loop.nearest(starts, SEVERAL)
-    best = min((numbers_of(loop.fitted(x).x) for x in near), key=loop.left, default=own)
+    best, left = own, cost
+    for x, method in product(loop.nearest(starts, SEVERAL), METHODS):
+        if not is_explained(loop, left):
+            there = numbers_of(loop.fitted(x, method).x)
+            left, best = min((left, best), (loop.left(there), there), key=itemgetter(0))
     best = with_top(loop, best, np.maximum(own, TOPS[-1] * fastest_of(loop.context, loop.column)))
     left = loop.left(best)
     return (best, left) if left < cost - SIGNIFICANT else (own, cost)
