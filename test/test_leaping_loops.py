@@ -43,6 +43,7 @@ def test_they_go_as_the_reference(top: float, ahead: float, apart: tuple[float, 
     delay = np.array([0.0, 0.013, 0.2, -0.004, 0.0052])
     numbers = np.array([20.0 * each, 0.02 * each, top * each, 0.7 * top * each, delay, 0.4 * each])
     numbers[:2, 1] = 400.0, 1e-4  # a stiff one, in shorter steps
+    numbers[0, 3] = -20.0 if np.isfinite(top) else 20.0  # one that runs away, as fast as it may
     start = fresh(rng.normal(scale=0.1, size=COLUMNS), 0.2)
     state, after, out = start.copy(), start.copy(), np.empty_like(setpoint)
     right = stepped(setpoint, stamp, numbers, pull, load, ahead, state)

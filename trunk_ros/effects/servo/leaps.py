@@ -76,7 +76,7 @@ def leaping_loops(
                             powers = raised(gain, smooth, h, ahead, powers, leap, power, widest)
                         most_off = max(abs(phi - goal), abs(phi - goal - change))
                         asks = widest[leap, 0] * most_off + widest[leap, 1] * abs(v)
-                        if asks + gain * abs(past * borne) < free:
+                        if asks + abs(gain * past * borne) < free:
                             off = phi - goal
                             if alone == 0:
                                 off -= (t + h - stamp[held + 1]) / h * change
@@ -113,8 +113,8 @@ def raised(
         widest[0, 0], widest[0, 1] = 0.0, 0.0
     for m in range(done + 1, most + 1):
         a, b, c, d = power[m - 1, 0], power[m - 1, 1], power[m - 1, 2], power[m - 1, 3]
-        widest[m, 0] = max(widest[m - 1, 0], gain * abs(a + ahead * h * c))
-        widest[m, 1] = max(widest[m - 1, 1], gain * abs(b + ahead * h * d))
+        widest[m, 0] = max(widest[m - 1, 0], abs(gain * (a + ahead * h * c)))
+        widest[m, 1] = max(widest[m - 1, 1], abs(gain * (b + ahead * h * d)))
         power[m, 0], power[m, 1] = back * a + on * c, back * b + on * d
         power[m, 2], power[m, 3] = follows * c - smooth * gain * a, follows * d - smooth * gain * b
     return most
