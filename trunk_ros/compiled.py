@@ -1,5 +1,6 @@
 """numba's ``njit`` with a type that strict checking understands, and without numba until something is run."""
 
+import hashlib
 from collections.abc import Callable
 from functools import cached_property, update_wrapper
 from typing import Any, TypeVar, cast
@@ -19,11 +20,21 @@ class Compiled:
         self.function = function
 
     @cached_property
+    def digest(self) -> str:
+        """Of what it computes: of its code, and of the numbers and compiled functions that this names."""
+        code, names = self.function.__code__, self.function.__globals__
+        named = [names[name] for name in code.co_names if name in names and names[name] is not self]
+        numbers = [one for one in (*code.co_consts, *named) if isinstance(one, int | float | tuple)]
+        called = [one.digest for one in named if isinstance(one, Compiled)]
+        return hashlib.sha256(repr((code.co_code, numbers, called)).encode()).hexdigest()[:8]
+
+    @cached_property
     def machine(self) -> Any:
         """The function as numba has it; the machine code is cached where that can be written."""
         from numba import njit  # a third of the time in which a node starts, and some run no loop
 
         options: dict[str, Any] = {"nogil": True, "error_model": "numpy"}
+        self.function.__qualname__ += f"_{self.digest}"  # numba's cache looks at no file but its own
         try:
             return njit(cache=True, **options)(self.function)
         except RuntimeError:  # neither the package's folder nor the user's cache can be written
