@@ -42,6 +42,8 @@ class Context:
     resolution: tuple[float, ...] = ()  # std of gearbox encoders' steps at the joints, by the ratios found
     wide: frozenset[int] = frozenset()
     """Columns that always move alike and show a wide loop: it hides what else varies with speed or time."""
+    alone: bool = False
+    """Whether no joint is explained by what others do."""
     once: frozenset[int] = frozenset()
     """Columns that show a wide loop and go through none of it twice: what varies with time is in it."""
     look: int = 0

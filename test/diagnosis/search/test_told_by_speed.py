@@ -21,16 +21,16 @@ from trunk_ros.diagnosis.stages.wire import WireStage
 from trunk_ros.model import Model, load_model
 from trunk_ros.recording.recording import JointSeries, Recording
 
-JOINTS = ("shoulder", "elbow")
+JOINTS = ("shoulder", "elbow", "wrist")
 
 
 def looked_at(effects: dict[str, Any], phi: Array) -> Context:
-    """An arm of which nothing is known, whose motors went ``phi`` (n, 2) rad at 100 Hz."""
-    model, stamp = load_model("direct").for_joints(JOINTS), np.arange(len(phi)) / 100
+    """An arm of which nothing is known, whose motors went ``phi`` (n, joints) rad at 100 Hz."""
+    joints = JOINTS[: phi.shape[1]]
+    model, stamp = load_model("direct").for_joints(joints), np.arange(len(phi)) / 100
     theta, _ = Chain(Model(model.arm, effects), "wire").run(phi, stamp)
     theta = theta + 1e-4 * np.random.default_rng(0).standard_normal(theta.shape)
-    motors, joints = JointSeries(stamp, JOINTS, phi), JointSeries(stamp, JOINTS, theta)
-    series = {"gearbox_states": motors, "joint_states": joints}
+    series = {n: JointSeries(stamp, joints, x) for n, x in (("gearbox_states", phi), ("joint_states", theta))}
     span = wire_span(Recording("run", 0, float(stamp[-1]), series), model)
     context = replace(first_look(WireStage([span], model)), work=granted())
     assert not context.speed_tells
@@ -69,3 +69,18 @@ def test_late_readings_of_wide_plays_under_one_swing() -> None:
     assert found is not None
     assert found.hypothesis.keys() == late.keys()
     assert found.hypothesis["sensor_delay"].shared["delay"] == pytest.approx(0.1, rel=0.01)
+
+
+def test_a_lag_is_no_mixture_of_joints_that_swing_as_often() -> None:
+    """With ratios that are off as well, each of three joints had been coupled to the others."""
+    stamp = np.arange(3000)[:, None] / 100
+    swing = np.array([0.5, 0.4, 0.3]) * np.sin(2.0 * np.pi * 0.3 * stamp + np.array([0.0, 1.0, 2.2]))
+    late = {
+        "sensor_delay": {"delay": 0.06},
+        "ratio_error": {"relative": np.array([0.05, -0.03, 0.02])},
+        "backlash": {"half_width": np.array([0.1, 0.06, 0.04])},
+    }
+    found = told_by_speed(looked_at(late, swing - swing[0]), Desk())
+    assert found is not None
+    assert found.hypothesis.keys() == late.keys()
+    assert not found.context.alone, "what follows may look at other joints"

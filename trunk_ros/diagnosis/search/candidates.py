@@ -14,6 +14,7 @@ from trunk_ros.diagnosis.hypothesis import Hypothesis, Term
 from trunk_ros.effects import Effect, effect, registry
 
 OWN = 4  # local effects on one joint
+OTHERS = "several"  # what an effect needs that has one joint moved by others
 DYNAMIC = ("high_speed", "low_speed", "hold")  # what a recording that stops to measure cannot show
 
 
@@ -49,7 +50,7 @@ def what_it_has(context: Context) -> dict[str, bool]:
         "weight": arm.has_load,
         "effort": context.stage.load_recorded,
         "dead_band": bool(np.sum(arm.dead_band[context.columns] > 0) > 1),
-        "several": len(arm.joints) > 1,
+        OTHERS: len(arm.joints) > 1 and not context.alone,
     }
 
 

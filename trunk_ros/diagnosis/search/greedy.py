@@ -11,7 +11,7 @@ from dataclasses import replace
 from trunk_ros.diagnosis.context import Context
 from trunk_ros.diagnosis.disturbances.arrivals import arrived
 from trunk_ros.diagnosis.hypothesis import Hypothesis
-from trunk_ros.diagnosis.search.candidates import DYNAMIC
+from trunk_ros.diagnosis.search.candidates import DYNAMIC, OTHERS
 from trunk_ros.diagnosis.search.descent import Desk, Move, descend, of
 from trunk_ros.diagnosis.search.fit import Fit, costed, refit
 from trunk_ros.diagnosis.search.formed import measured
@@ -48,7 +48,8 @@ def told_by_speed(context: Context, desk: Desk) -> Fit | None:
     throughout: any lag is a form of such a loop, so it is believed where names leave only noise with it, and
     none do without it that are better. None else; of the columns of what is returned none is hidden by its
     loop. A lag that comes first may take the place of the loop, so it is also looked for beside names that
-    are found without it.
+    are found without it; and other joints, which move as often, may take the place of the lag, so that it is
+    also looked for without them.
     """
     if not set(context.columns) <= context.wide:
         return None
@@ -57,6 +58,10 @@ def told_by_speed(context: Context, desk: Desk) -> Fit | None:
     without = _named(context, context.known, desk)
     if not _lags(found):
         found = _named(by_speed, without.hypothesis, desk)
+    if not _lags(found) and any(OTHERS in effect(name).needs for name in found.hypothesis):
+        own = _named(replace(context, alone=True), context.known, desk)
+        found = _named(replace(by_speed, alone=True), own.hypothesis, desk)
+        found = replace(found, context=replace(found.context, alone=False))
     better = _leaves_noise(without) and better_of(found, without) is without
     return found.working(context.work) if _lags(found) and not better else None
 
