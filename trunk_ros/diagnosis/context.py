@@ -42,12 +42,10 @@ class Context:
     resolution: tuple[float, ...] = ()  # std of gearbox encoders' steps at the joints, by the ratios found
     wide: frozenset[int] = frozenset()
     """Columns that always move alike and show a wide loop: it hides what else varies with speed or time."""
-    alone: bool = False
-    """Whether no joint is explained by what others do."""
+    alone: bool = False  # no joint is explained by what others do
     once: frozenset[int] = frozenset()
     """Columns that show a wide loop and go through none of it twice: what varies with time is in it."""
-    look: int = 0
-    """Counts the looks at the arm that differed from the one before."""
+    look: int = 0  # counts the looks at the arm that differed from the one before
     louder: Louder = CONSTANT
     misfit: Mapping[int, float] = field(default_factory=dict)
     """Squared unit-noise residual above the noise that the nominal arm leaves, by column."""
